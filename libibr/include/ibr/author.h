@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// From posed photographs to a scene folder ([T] §2.4). Needs ibr::author (OpenCV, CGAL).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ibr/camera.h"
+#include "ibr/log.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// Poses and sparse points from a pose estimator, in libibr's conventions (conventions.h). Sizes are those of the model.
+struct PosedImage {
+  std::string name;  // as the model has it, with '/' for folders
+  Camera camera;
+};
+struct TrackObservation {
+  std::uint32_t image;  // index into PosedModel::images
+  glm::dvec2 pixel;
+};
+struct Track {
+  glm::dvec3 position;  // world
+  std::vector<TrackObservation> observations;
+};
+struct PosedModel {
+  std::vector<PosedImage> images;  // registered images only, sorted by name
+  std::vector<Track> tracks;
+};
+
+/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. SIMPLE_PINHOLE and PINHOLE; other
+/// models throw Error{unsupported} that names the camera. Images without a pose are skipped with a message, as are
+/// observations of points that are not there. Throws Error (io, invalidInput) with file and line, or byte.
+PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {});
+
+struct BuildOptions {
+  std::filesystem::path photographs;  // folder that image names of the model are relative to
+  std::filesystem::path model;        // COLMAP model folder
+  std::filesystem::path output;       // scene folder; made if missing
+  std::vector<std::string> exclude;   // image names left out (held out for evaluation)
+  int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
+  int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
+  double thetaDegrees = 0;            // largest angle between axes in a cell; 0 = half the smaller field of view
+  int threads = 0;                    // 0 = all cores
+  std::uint64_t seed = 1;             // same input, options and seed: same bytes
+};
+
+struct BuildReport {
+  struct CellLine {
+    std::vector<std::string> members;
+    std::size_t points = 0, triangles = 0, tier0 = 0;
+    CellQuality quality;
+    double seconds = 0;
+    bool resumed = false;  // taken from an interrupted build
+  };
+  struct Dropped {
+    std::string what;    // image or cell, by its members' names
+    std::string reason;  // for people
+  };
+  std::vector<CellLine> cells;
+  std::vector<Dropped> dropped;
+  double seconds = 0;
+};
+
+/// Builds a scene folder. Cells are finished one by one and kept, so that an interrupted or cancelled build goes on
+/// where it stopped when it is called again with the same options. Throws Error.
+BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
+
+}  // namespace ibr

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Vulkan device: made by us, or borrowed from the caller (an engine, an OpenXR runtime).
+//
+// No global state; several devices in one process work. A Device is used by one thread at a time, and everything made
+// from it is destroyed before it. The caller externally synchronises the queue of an adopted device.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ibr/log.h"
+
+namespace ibr {
+
+/// Vulkan's feature structures, chained on demand. Copies are unchained: call `link` on the object that is passed on.
+struct DeviceFeatures {
+  VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  VkPhysicalDeviceVulkan11Features vulkan11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+  VkPhysicalDeviceVulkan12Features vulkan12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceVulkan13Features vulkan13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+
+  /// Chains core → 1.1 → 1.2 → 1.3 → next and returns the head, for VkDeviceCreateInfo::pNext. Valid while *this lives
+  /// and is not moved.
+  const VkPhysicalDeviceFeatures2* link(void* next = nullptr);
+};
+
+/// What libibr needs of a device that it did not make, as data to merge into the caller's own create-infos.
+struct DeviceRequirements {
+  std::uint32_t apiVersion = 0;                    // of instance and device, at least
+  std::vector<std::string> instanceExtensions;     // required
+  std::vector<std::string> deviceExtensions;       // required
+  DeviceFeatures features;                         // VK_TRUE where required
+  VkQueueFlags queueFlags = 0;                     // of the one queue used
+};
+
+struct DeviceOptions {
+  std::string device;       // index or part of the name; "" = IBR_DEVICE, else discrete, integrated, CPU
+  bool validation = false;  // core + synchronisation validation; throws Error{unsupported} where the layer is missing
+  std::vector<std::string> instanceExtensions;  // further ones, such as GLFW's surface extensions
+  std::vector<std::string> deviceExtensions;    // further ones, such as VK_KHR_swapchain
+  LogCallback log;  // validation messages (errors and warnings) and the choice of device
+};
+
+/// Borrowed handles; all stay the caller's. The device was made with everything that requirements() names.
+struct DeviceHandles {
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t queueFamily = 0;
+  LogCallback log;
+};
+
+/// A physical device as `ibr device` lists it.
+struct DeviceDescription {
+  std::string name, driver;
+  std::uint32_t apiVersion = 0;
+  VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
+  std::uint64_t memoryBytes = 0;     // device-local
+  std::vector<std::string> lacking;  // why libibr cannot use it; empty: it can
+};
+
+class Device {
+ public:
+  /// Makes instance and device. Throws Error{unsupported} that names, for each physical device, why it was rejected.
+  static Device create(const DeviceOptions& options = {});
+
+  /// Borrows; never destroys what it borrows. Throws Error{unsupported} where the device is seen to lack something.
+  static Device adopt(const DeviceHandles& handles);
+
+  static DeviceRequirements requirements();
+  static std::vector<DeviceDescription> list();
+
+  Device(Device&&) noexcept;
+  Device& operator=(Device&&) noexcept;
+  ~Device();  // waits until an owned device is idle; an adopted one is left alone
+
+  VkInstance instance() const noexcept;
+  VkPhysicalDevice physicalDevice() const noexcept;
+  VkDevice handle() const noexcept;
+  VkQueue queue() const noexcept;
+  std::uint32_t queueFamily() const noexcept;
+  const VkPhysicalDeviceProperties& properties() const noexcept;
+  const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
+  std::string name() const;  // as a person would cite it: device and driver version
+
+  /// How many messages the validation layer has sent so far (0 without validation). Tests demand 0.
+  std::uint64_t validationMessages() const noexcept;
+
+ private:
+  struct State;
+  explicit Device(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ibr

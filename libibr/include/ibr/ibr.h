@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything of the runtime library. Authoring is in ibr/author.h.
+#pragma once
+
+#include "ibr/camera.h"
+#include "ibr/conventions.h"
+#include "ibr/device.h"
+#include "ibr/error.h"
+#include "ibr/image.h"
+#include "ibr/log.h"
+#include "ibr/metrics.h"
+#include "ibr/renderer.h"
+#include "ibr/scene.h"
+#include "ibr/target.h"

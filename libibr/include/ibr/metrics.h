@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Picture metrics. All take pictures of equal size with 3 or more channels (further channels are ignored) and throw
+// Error{invalidInput} otherwise. Thread-safe.
+#pragma once
+
+#include <limits>
+
+#include "ibr/image.h"
+
+namespace ibr {
+
+/// Peak signal-to-noise ratio in dB over R, G, B of 8-bit display-encoded values; +infinity for equal pictures.
+/// With a mask (1 channel, nonzero = counts) only those pixels count; NaN where none does.
+double psnr(const Image8& a, const Image8& b);
+double psnr(const Image8& a, const Image8& b, const Image8& mask);
+
+/// Structural similarity (Wang et al. 2004): luma (Rec. 601), Gaussian window 11×11 with σ 1.5, K1 .01, K2 .03, mean over
+/// all windows that lie inside the picture. With a mask: over the windows that lie wholly inside it; NaN where none does.
+double ssim(const Image8& a, const Image8& b);
+double ssim(const Image8& a, const Image8& b, const Image8& mask);
+
+/// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
+struct Difference {
+  int largest = 0;           // levels
+  double meanAbsolute = 0;   // levels, over pixels and channels
+  double shareAbove = 0;     // of pixels whose largest channel difference exceeds `threshold`
+};
+Difference difference(const Image8& a, const Image8& b, int threshold);
+
+}  // namespace ibr

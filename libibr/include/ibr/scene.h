@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The image graph ([T] §2.4) as plain data, and its file: a glTF 2.0 asset with the extension IBR_image_graph.
+//
+// A node is a photograph with its pose; a cell joins 2 to 4 nodes (line, triangle, tetrahedron) by one morphing mesh.
+// Loading and saving may be called from several threads on different scenes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ibr/camera.h"
+#include "ibr/conventions.h"
+
+namespace ibr {
+
+struct Node {
+  std::string name;                   // unique in a scene; the photograph's file name
+  Camera camera;                      // intrinsics are those of the undistorted photograph at its stored size
+  std::filesystem::path imageFile;    // JPEG or PNG, relative to the scene's folder
+  std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
+};
+
+/// What a triangle is good for (ARCHITECTURE §5, "Tiers").
+enum Tier : std::uint8_t {
+  kTierAgrees = 0,    // agrees in all members: blended as [T] says
+  kTierRejected = 1,  // rejected by a filter: drawn from a single member after all of tier 0
+};
+
+/// A morphing mesh over d members and n points.
+///
+/// The scene point of vertex p, seen from member i, lies in direction r_i = unproject(match[i][p]), rotated to world.
+/// With s_i the distance to it along r_i, ratio[i][p] is a_i = s_i·ρ and inverseDistance[p] is ρ >= 0. ρ = 0 puts the
+/// point at infinity, where every a_i is 1. Only the products matter: (a_i, ρ) may be scaled per point by any positive
+/// number; by convention ρ is the inverse of the mean of s_i, so that the mean of a_i is 1.
+/// [T] eq. 4 is the case a_i = 1, ρ = 0.
+struct MorphMesh {
+  std::vector<std::vector<glm::vec2>> match;  // d × n, px in the member's photograph
+  std::vector<std::vector<float>> ratio;      // d × n, a_i > 0
+  std::vector<float> inverseDistance;         // n, ρ >= 0, 1 / world unit
+  std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0
+  std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
+  std::vector<std::uint8_t> tier;             // m, a Tier each
+  std::vector<float> ecc;                     // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]
+
+  std::size_t memberCount() const { return match.size(); }
+  std::size_t pointCount() const { return inverseDistance.size(); }
+  std::size_t tier0Count() const;  // triangles of tier 0
+};
+
+/// How good a cell is, measured when it was built. NaN: not measured.
+struct CellQuality {
+  double coverage;    // share of the members' mean picture under tier-0 triangles
+  double ecc;         // area-weighted mean of MorphMesh::ecc over tier 0
+  double residualPx;  // median distance between a match and the projection of its triangulated point
+  CellQuality();
+};
+
+struct Cell {
+  std::vector<std::uint32_t> members;  // 2 to 4 different node indices; 1 for a backdrop
+  MorphMesh mesh;
+  CellQuality quality;
+};
+
+/// Where the world's origin lies on the Earth, if known. Kept for export; never part of a pose.
+struct GeographicOrigin {
+  double latitudeDegrees = 0, longitudeDegrees = 0, heightMetres = 0;
+};
+
+struct Scene {
+  std::filesystem::path folder;  // what relative paths of the nodes start from; empty for a scene made in code
+  std::vector<Node> nodes;
+  std::vector<Cell> cells;
+  std::vector<Cell> backdrops;  // tier 2: at most one a node, one member each
+  std::string acquisition;      // "ordered", "unordered", "synthetic", "panoramic" or ""
+  std::string settings;         // the effective settings it was built with, as JSON text; "" if none
+  std::optional<GeographicOrigin> origin;
+};
+
+struct Fault {
+  std::string field;    // "cells[3].mesh.ratio[1][17]", or a JSON pointer when it comes from a file
+  std::string message;  // what is wrong, with the value
+};
+
+/// Every fault of a scene's data, in order, at most `limit`; empty when all preconditions of the renderer hold:
+/// indices in range, members different, sizes equal, values finite and in range, rotations of unit length (1e-3).
+/// Files are not looked at.
+std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
+
+/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0.
+std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
+
+/// Reads `path`: a scene's folder, or its scene.gltf. Throws Error (io, invalidInput; file and JSON pointer named).
+/// Files outside the scene's folder are refused.
+Scene loadScene(const std::filesystem::path& path);
+
+/// Every fault of a scene's files, as loadScene would find them, plus textures that are missing or do not match.
+std::vector<Fault> validateSceneFiles(const std::filesystem::path& path, std::size_t limit = 100);
+
+/// Writes folder/scene.gltf and folder/cells/*.bin (photographs and textures are not touched). Each file is written
+/// beside its final name and renamed. Precondition: validate(scene) is empty, else Error{invalidInput}.
+void saveScene(const Scene& scene, const std::filesystem::path& folder);
+
+}  // namespace ibr

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The caller's image, and how images are used between commands. Nothing here owns anything.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+namespace ibr {
+
+/// Layout, stages and accesses of one use of an image. A barrier goes from one use to the next; nothing is tracked.
+struct ImageUse {
+  VkImageLayout layout;
+  VkPipelineStageFlags2 stages;
+  VkAccessFlags2 access;
+};
+
+namespace use {
+inline constexpr ImageUse kUndefined{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
+inline constexpr ImageUse kColourAttachment{
+    VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+    VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
+inline constexpr ImageUse kDepthAttachment{
+    VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+inline constexpr ImageUse kSampled{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                   VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
+inline constexpr ImageUse kTransferSource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                                          VK_ACCESS_2_TRANSFER_READ_BIT};
+inline constexpr ImageUse kTransferDestination{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                                               VK_ACCESS_2_TRANSFER_WRITE_BIT};
+inline constexpr ImageUse kStorage{
+    VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+    VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
+inline constexpr ImageUse kPresent{VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
+}  // namespace use
+
+/// Where a renderer puts its picture. The image must outlive the commands recorded with it; nothing is kept after
+/// `record` returns. UNORM formats receive display-encoded values, SRGB formats the same picture through their encoder.
+struct Target {
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;  // 2D, one mip level, one layer, identity swizzle, colour attachment usage
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkExtent2D extent{0, 0};
+  ImageUse before = use::kUndefined;  // how the caller used it last; its contents are replaced
+  ImageUse after = use::kColourAttachment;
+};
+
+}  // namespace ibr

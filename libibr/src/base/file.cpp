@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "base/check.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+  int get() const { return fd_; }
+  bool close() {
+    const int fd = std::exchange(fd_, -1);
+    return fd < 0 || ::close(fd) == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+template <class Container>
+Container readWhole(const fs::path& path, std::uint64_t limit) {
+  // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  check(file.get() >= 0, ErrorCode::io, "{}: cannot be opened: {}", path.string(), std::strerror(errno));
+  struct stat status{};
+  check(::fstat(file.get(), &status) == 0, ErrorCode::io, "{}: {}", path.string(), std::strerror(errno));
+  check(S_ISREG(status.st_mode), ErrorCode::io, "{}: is not a regular file", path.string());
+  const auto size = std::uint64_t(status.st_size);
+  check(size <= limit, ErrorCode::invalidInput, "{}: {} bytes, more than the limit of {}", path.string(), size, limit);
+  Container bytes;
+  bytes.resize(size);
+  for (std::uint64_t done = 0; done < size;) {
+    const ssize_t n = ::read(file.get(), bytes.data() + done, size - done);
+    if (n < 0 && errno == EINTR) continue;
+    check(n >= 0, ErrorCode::io, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+    check(n > 0, ErrorCode::io, "{}: ended after {} of {} bytes", path.string(), done, size);
+    done += std::uint64_t(n);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::byte> readFile(const fs::path& path, std::uint64_t limit) {
+  return readWhole<std::vector<std::byte>>(path, limit);
+}
+
+std::string readTextFile(const fs::path& path, std::uint64_t limit) { return readWhole<std::string>(path, limit); }
+
+void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
+  // A device or pipe cannot be replaced by renaming; it is written in place.
+  std::error_code ignored;
+  const auto kind = fs::status(path, ignored).type();
+  const bool inPlace = kind == fs::file_type::character || kind == fs::file_type::fifo;
+  const fs::path draft = inPlace ? path : fs::path(path.string() + fmt::format(".{}.tmp", ::getpid()));
+  auto giveUp = [&](int error) {
+    if (!inPlace) fs::remove(draft, ignored);
+    fail(ErrorCode::io, "{}: cannot be written: {}", path.string(), std::strerror(error));
+  };
+  Descriptor file(::open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  check(file.get() >= 0, ErrorCode::io, "{}: cannot be written: {}", path.string(), std::strerror(errno));
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t n = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) giveUp(n < 0 ? errno : ENOSPC);
+    done += std::size_t(n);
+  }
+  if (!file.close()) giveUp(errno);
+  if (!inPlace && ::rename(draft.c_str(), path.c_str()) != 0) giveUp(errno);
+}
+
+void writeFile(const fs::path& path, std::string_view text) {
+  writeFile(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+fs::path pathInside(const fs::path& folder, const fs::path& relative) {
+  const fs::path root = fs::weakly_canonical(folder);
+  const fs::path path = fs::weakly_canonical(root / relative);
+  const auto [rootEnd, unused] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+  check(relative.is_relative() && rootEnd == root.end() && path != root, ErrorCode::invalidInput,
+        "{}: leads outside the folder {}", relative.string(), folder.string());
+  return path;
+}
+
+}  // namespace ibr

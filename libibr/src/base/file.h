@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole files in and out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ibr {
+
+/// Reads a regular file whole. Throws Error{io} naming it (missing, a directory, a device, unreadable) or
+/// Error{invalidInput} where it is longer than `limit` bytes.
+std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(4) << 30);
+std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(1) << 30);
+
+/// Writes beside `path` and renames, so that `path` is never seen half-written. Throws Error{io}; then nothing is left.
+void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
+void writeFile(const std::filesystem::path& path, std::string_view text);
+
+/// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..", links).
+/// The file need not exist.
+std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);
+
+}  // namespace ibr

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photographs and pictures in files: JPEG (libjpeg-turbo), PNG (libpng), TIFF (libtiff), OpenEXR. Neither the runtime
+// nor OpenCV. A truncated file is an error, never a half-grey picture. All throw Error (io, invalidInput, unsupported)
+// naming the file. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "ibr/image.h"
+
+namespace ibr {
+
+struct ImageFileInfo {
+  int width = 0, height = 0;  // as stored, before orientation
+  int channels = 0;
+  int bitsPerChannel = 0;
+  int orientation = 1;  // EXIF, 1 to 8
+};
+
+struct ReadLimits {
+  std::int64_t pixels = std::int64_t(1) << 28;
+  int side = 1 << 16;
+};
+
+/// Reads the header only.
+ImageFileInfo probeImage(const std::filesystem::path& path);
+
+/// Reads as 8-bit RGB (grey and palette expanded, alpha dropped, 16 bits rounded to 8; CMYK is unsupported). The EXIF
+/// orientation is applied only where asked: a pose estimator may or may not have applied it.
+Image8 readImage(const std::filesystem::path& path, bool applyOrientation = false, const ReadLimits& limits = {});
+
+/// 1, 3 or 4 channels; the format follows the extension: .png (lossless), .jpg/.jpeg (3 or 1 channels, `quality`).
+void writeImage(const std::filesystem::path& path, const Image8& image, int quality = 92);
+
+}  // namespace ibr

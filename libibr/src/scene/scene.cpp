@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <set>
+
+#include "base/check.h"
+
+namespace ibr {
+
+CellQuality::CellQuality()
+    : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage) {}
+
+std::size_t MorphMesh::tier0Count() const {
+  return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));
+}
+
+std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point) {
+  const double inverseDistance = cell.mesh.inverseDistance[point];
+  if (!(inverseDistance > 0.0)) return std::nullopt;
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < cell.members.size(); ++i) {
+    const Camera& camera = scene.nodes[cell.members[i]].camera;
+    const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][point]);
+    sum += camera.pose.position + ray * (cell.mesh.ratio[i][point] / inverseDistance);
+  }
+  return sum / double(cell.members.size());
+}
+
+namespace {
+
+// Collects faults up to a limit.
+class Faults {
+ public:
+  explicit Faults(std::size_t limit) : limit_(limit) {}
+  bool full() const { return list_.size() >= limit_; }
+  template <class... Args>
+  void add(std::string field, fmt::format_string<Args...> format, Args&&... args) {
+    if (!full()) list_.push_back({std::move(field), fmt::format(format, std::forward<Args>(args)...)});
+  }
+  std::vector<Fault> take() { return std::move(list_); }
+
+ private:
+  std::size_t limit_;
+  std::vector<Fault> list_;
+};
+
+bool finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+void checkNode(const Node& node, const std::string& at, Faults& faults) {
+  const Intrinsics& k = node.camera.intrinsics;
+  if (node.name.empty()) faults.add(at + ".name", "is empty");
+  constexpr int kLargest = 1 << 16;
+  if (k.width < 1 || k.height < 1 || k.width > kLargest || k.height > kLargest)
+    faults.add(at + ".camera.intrinsics", "size {}x{} is not within 1 to {}", k.width, k.height, kLargest);
+  if (k.model == CameraModel::pinhole) {
+    if (!(k.fx > 0) || !(k.fy > 0) || !std::isfinite(k.fx) || !std::isfinite(k.fy))
+      faults.add(at + ".camera.intrinsics", "focal lengths {} and {} are not positive", k.fx, k.fy);
+    if (!std::isfinite(k.cx) || !std::isfinite(k.cy))
+      faults.add(at + ".camera.intrinsics", "principal point ({}, {}) is not finite", k.cx, k.cy);
+  }
+  if (!finite(node.camera.pose.position)) faults.add(at + ".camera.pose.position", "is not finite");
+  const glm::dquat& q = node.camera.pose.rotation;
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!(std::abs(length - 1.0) <= 1e-3)) faults.add(at + ".camera.pose.rotation", "has length {}, not 1", length);
+}
+
+void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at, Faults& faults) {
+  const std::size_t points = mesh.pointCount(), triangles = mesh.triangles.size();
+  auto sized = [&](std::size_t size, std::size_t wanted, const std::string& field) {
+    if (size != wanted) faults.add(at + field, "has {} values, not {}", size, wanted);
+    return size == wanted;
+  };
+  if (!sized(mesh.match.size(), members, ".match") || !sized(mesh.ratio.size(), members, ".ratio")) return;
+  for (std::size_t i = 0; i < members; ++i) {
+    if (sized(mesh.match[i].size(), points, fmt::format(".match[{}]", i)))
+      for (std::size_t p = 0; p < points; ++p)
+        if (!std::isfinite(mesh.match[i][p].x) || !std::isfinite(mesh.match[i][p].y))
+          faults.add(fmt::format("{}.match[{}][{}]", at, i, p), "is not finite");
+    if (sized(mesh.ratio[i].size(), points, fmt::format(".ratio[{}]", i)))
+      for (std::size_t p = 0; p < points; ++p)
+        if (!(mesh.ratio[i][p] > 0.0f) || !std::isfinite(mesh.ratio[i][p]))
+          faults.add(fmt::format("{}.ratio[{}][{}]", at, i, p), "{} is not positive", mesh.ratio[i][p]);
+  }
+  auto nonNegative = [&](const std::vector<float>& values, const std::string& field) {
+    if (!sized(values.size(), points, field)) return;
+    for (std::size_t p = 0; p < points; ++p)
+      if (!(values[p] >= 0.0f) || !std::isfinite(values[p]))
+        faults.add(fmt::format("{}{}[{}]", at, field, p), "{} is negative or not finite", values[p]);
+  };
+  nonNegative(mesh.inverseDistance, ".inverseDistance");
+  nonNegative(mesh.uncertainty, ".uncertainty");
+  for (std::size_t t = 0; t < triangles; ++t) {
+    const glm::uvec3 v = mesh.triangles[t];
+    if (v.x >= points || v.y >= points || v.z >= points)
+      faults.add(fmt::format("{}.triangles[{}]", at, t), "({}, {}, {}) has an index beyond the {} points", v.x, v.y, v.z,
+                 points);
+  }
+  if (sized(mesh.tier.size(), triangles, ".tier"))
+    for (std::size_t t = 0; t < triangles; ++t) {
+      if (mesh.tier[t] > kTierRejected)
+        faults.add(fmt::format("{}.tier[{}]", at, t), "{} is not 0 or 1", mesh.tier[t]);
+      else if (t > 0 && mesh.tier[t] < mesh.tier[t - 1])
+        faults.add(fmt::format("{}.tier[{}]", at, t), "tier 0 stands after tier 1");
+    }
+  if (sized(mesh.ecc.size(), triangles, ".ecc"))
+    for (std::size_t t = 0; t < triangles; ++t)
+      if (!(std::abs(mesh.ecc[t]) <= 1.0f))
+        faults.add(fmt::format("{}.ecc[{}]", at, t), "{} is not within -1 to 1", mesh.ecc[t]);
+}
+
+void checkCell(const Cell& cell, std::size_t nodes, std::size_t least, std::size_t most, const std::string& at,
+               Faults& faults) {
+  const std::size_t d = cell.members.size();
+  if (d < least || d > most) faults.add(at + ".members", "has {} members, not {} to {}", d, least, most);
+  for (std::size_t i = 0; i < d; ++i) {
+    if (cell.members[i] >= nodes)
+      faults.add(fmt::format("{}.members[{}]", at, i), "{} is beyond the {} nodes", cell.members[i], nodes);
+    for (std::size_t j = 0; j < i; ++j)
+      if (cell.members[i] == cell.members[j])
+        faults.add(fmt::format("{}.members[{}]", at, i), "node {} is a member twice", cell.members[i]);
+  }
+  checkMesh(cell.mesh, d, at + ".mesh", faults);
+}
+
+}  // namespace
+
+std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
+  Faults faults(limit);
+  std::set<std::string> names;
+  for (std::size_t n = 0; n < scene.nodes.size() && !faults.full(); ++n) {
+    const std::string at = fmt::format("nodes[{}]", n);
+    checkNode(scene.nodes[n], at, faults);
+    if (!names.insert(scene.nodes[n].name).second) faults.add(at + ".name", "\"{}\" stands twice", scene.nodes[n].name);
+  }
+  for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)
+    checkCell(scene.cells[c], scene.nodes.size(), 2, 4, fmt::format("cells[{}]", c), faults);
+  std::set<std::uint32_t> covered;
+  for (std::size_t b = 0; b < scene.backdrops.size() && !faults.full(); ++b) {
+    const std::string at = fmt::format("backdrops[{}]", b);
+    checkCell(scene.backdrops[b], scene.nodes.size(), 1, 1, at, faults);
+    if (scene.backdrops[b].members.size() == 1 && !covered.insert(scene.backdrops[b].members[0]).second)
+      faults.add(at + ".members[0]", "node {} has two backdrops", scene.backdrops[b].members[0]);
+  }
+  return faults.take();
+}
+
+}  // namespace ibr
