@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/file.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+
+#include "ibr/error.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+
+namespace {
+template <class F>
+ErrorCode codeOf(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    INFO(e.what());
+    return e.code();
+  }
+  FAIL("nothing was thrown");
+  return {};
+}
+}  // namespace
+
+TEST_CASE("a file comes back as it was written, and no draft is left") {
+  test::TemporaryFolder folder;
+  writeFile(folder / "a.txt", "first, longer");
+  writeFile(folder / "a.txt", "second");
+  CHECK(readTextFile(folder / "a.txt") == "second");
+  CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("what cannot be read is named") {
+  test::TemporaryFolder folder;
+  CHECK(codeOf([&] { readFile(folder / "missing"); }) == ErrorCode::io);
+  CHECK(codeOf([&] { readFile(folder.path()); }) == ErrorCode::io);
+  CHECK(codeOf([&] { readFile("/dev/zero"); }) == ErrorCode::io);
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  CHECK(codeOf([&] { readFile(folder / "pipe"); }) == ErrorCode::io);
+  writeFile(folder / "long", "12345");
+  CHECK(codeOf([&] { readFile(folder / "long", 4); }) == ErrorCode::invalidInput);
+  CHECK(readTextFile(folder / "long", 5) == "12345");
+}
+
+TEST_CASE("what cannot be written is named") {
+  test::TemporaryFolder folder;
+  CHECK(codeOf([&] { writeFile(folder / "no/such/folder", "x"); }) == ErrorCode::io);
+  CHECK(codeOf([&] { writeFile("/dev/full", "x"); }) == ErrorCode::io);
+}
+
+TEST_CASE("paths stay inside their folder") {
+  test::TemporaryFolder folder;
+  CHECK(pathInside(folder.path(), "images/a..b.png").filename() == "a..b.png");
+  CHECK(pathInside(folder.path(), "images/../b.png") == fs::canonical(folder.path()) / "b.png");
+  CHECK(codeOf([&] { pathInside(folder.path(), "../x"); }) == ErrorCode::invalidInput);
+  CHECK(codeOf([&] { pathInside(folder.path(), "images/../../x"); }) == ErrorCode::invalidInput);
+  CHECK(codeOf([&] { pathInside(folder.path(), "/etc/passwd"); }) == ErrorCode::invalidInput);
+  CHECK(codeOf([&] { pathInside(folder.path(), "."); }) == ErrorCode::invalidInput);
+  fs::create_directory_symlink("/etc", folder / "link");
+  CHECK(codeOf([&] { pathInside(folder.path(), "link/passwd"); }) == ErrorCode::invalidInput);
+}
