@@ -9,6 +9,7 @@
 #include "ibr/image.h"
 #include "ibr/log.h"
 #include "ibr/metrics.h"
+#include "ibr/offscreen.h"
 #include "ibr/renderer.h"
 #include "ibr/scene.h"
 #include "ibr/target.h"

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Barriers between two named uses (VK_KHR_synchronization2). Nothing is tracked: the caller knows what came before.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include "ibr/target.h"
+
+namespace ibr {
+
+/// Stages and accesses of one use of buffers. Images: ImageUse in ibr/target.h.
+struct BufferUse {
+  VkPipelineStageFlags2 stages;
+  VkAccessFlags2 access;
+};
+
+namespace use {
+inline constexpr BufferUse kTransferRead{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT};
+inline constexpr BufferUse kTransferWrite{VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+inline constexpr BufferUse kVertexRead{VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT,
+                                       VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT};
+inline constexpr BufferUse kIndexRead{VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT};
+inline constexpr BufferUse kIndirectRead{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
+inline constexpr BufferUse kVertexShaderRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT,
+                                             VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+inline constexpr BufferUse kShaderRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                       VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+inline constexpr BufferUse kUniformRead{VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                        VK_ACCESS_2_UNIFORM_READ_BIT};
+inline constexpr BufferUse kComputeReadWrite{
+    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
+inline constexpr BufferUse kHostRead{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT};
+inline constexpr BufferUse kAnything{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                     VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+}  // namespace use
+
+/// `to.layout` is not UNDEFINED; with `from` = kUndefined the contents are lost. All levels and layers.
+void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,
+                VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT) noexcept;
+
+/// The same for a part of the image.
+void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,
+                const VkImageSubresourceRange& range) noexcept;
+
+/// Orders all buffers' uses: a global memory barrier, which drivers treat no worse than one that names a buffer.
+void bufferBarrier(VkCommandBuffer commands, BufferUse from, BufferUse to) noexcept;
+
+}  // namespace ibr

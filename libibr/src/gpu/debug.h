@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and labels for debuggers and validation messages (VK_EXT_debug_utils). Without the extension nothing happens.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <string_view>
+
+#include "ibr/device.h"
+
+namespace ibr {
+
+void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name) noexcept;
+
+/// The same for a handle of any type.
+template <class T>
+void nameObject(const Device& device, VkObjectType type, T* handle, std::string_view name) noexcept {
+  nameObject(device, type, reinterpret_cast<std::uint64_t>(handle), name);
+}
+
+}  // namespace ibr

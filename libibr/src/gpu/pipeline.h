@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pipelines and their layouts, with the states that our passes share fixed: no culling, no blending, one sample,
+// viewport and scissor dynamic.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "gpu/handle.h"
+#include "ibr/device.h"
+
+namespace ibr {
+
+/// Values of specialisation constants, seen by all stages of a pipeline. Empty: the shaders' own.
+struct Specialisation {
+  std::span<const VkSpecializationMapEntry> entries;
+  std::span<const std::byte> data;
+};
+
+struct GraphicsPipelineInfo {
+  const char* name = "";
+  std::span<const std::uint32_t> vertex, fragment;  // SPIR-V, entry point main; no fragment: depth only
+  Specialisation specialisation;
+  std::span<const VkVertexInputBindingDescription> bindings;
+  std::span<const VkVertexInputAttributeDescription> attributes;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkRenderPass renderPass = VK_NULL_HANDLE;     // subpass 0, one colour attachment; or else
+  VkFormat colourFormat = VK_FORMAT_UNDEFINED;  // of dynamic rendering with one attachment and no depth
+  bool depthTest = false;                       // passes where less
+  bool depthWrite = false;
+  bool depthClamp = false;
+};
+
+struct ComputePipelineInfo {
+  const char* name = "";
+  std::span<const std::uint32_t> shader;  // SPIR-V, entry point main
+  Specialisation specialisation;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+};
+
+ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv);
+PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info);
+PipelineHandle makeComputePipeline(const Device& device, const ComputePipelineInfo& info);
+
+DescriptorSetLayoutHandle makeSetLayout(const Device& device, std::span<const VkDescriptorSetLayoutBinding> bindings);
+PipelineLayoutHandle makePipelineLayout(const Device& device, std::span<const VkDescriptorSetLayout> sets,
+                                        std::span<const VkPushConstantRange> pushConstants);
+
+}  // namespace ibr

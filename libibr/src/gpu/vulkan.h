@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Results of Vulkan calls as exceptions.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+namespace ibr {
+
+/// The enumerator's name, such as "VK_ERROR_DEVICE_LOST"; "VkResult" and the number for one that is not known here.
+const char* resultName(VkResult result) noexcept;
+
+/// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) that names call and result unless it is VK_SUCCESS.
+void vk(VkResult result, const char* call);
+
+}  // namespace ibr
