@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/image_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <utility>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "io/codec.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr {
+namespace io {
+
+void checkSize(const ImageFileInfo& info, const ReadLimits& limits, const std::string& name) {
+  const bool fits = info.width > 0 && info.height > 0 && info.width <= limits.side && info.height <= limits.side &&
+                    std::int64_t(info.width) * info.height <= limits.pixels;
+  check(fits, ErrorCode::invalidInput, "{}: {}×{} pixels; the limits are {} a side and {} in all", name, info.width,
+        info.height, limits.side, limits.pixels);
+}
+
+namespace {
+
+struct Format {
+  ImageFileInfo (*probe)(Bytes, const std::string&);
+  Image8 (*read)(Bytes, const std::string&, const ReadLimits&, ImageFileInfo&);
+};
+
+// By content: names lie.
+Format formatOf(Bytes file, const std::string& name) {
+  const auto startsWith = [&](auto... bytes) {
+    const std::array magic{std::byte(bytes)...};
+    return file.size() >= magic.size() && std::equal(magic.begin(), magic.end(), file.begin());
+  };
+  if (startsWith(0xff, 0xd8, 0xff)) return {probeJpeg, readJpeg};
+  if (startsWith(0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a)) return {probePng, readPng};
+  if (startsWith('I', 'I', 42, 0) || startsWith('M', 'M', 0, 42) || startsWith('I', 'I', 43, 0) ||
+      startsWith('M', 'M', 0, 43))
+    return {probeTiff, readTiff};
+  fail(ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
+}
+
+// Where a pixel of the upright picture is found in the stored one (EXIF 2.32 §4.6.4.A: where row 0 and column 0 are).
+Image8 oriented(const Image8& stored, int orientation) {
+  const bool swapped = orientation >= 5;
+  const bool mirroredX = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool mirroredY = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  Image8 image(swapped ? stored.height : stored.width, swapped ? stored.width : stored.height, stored.channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const int u = swapped ? y : x, v = swapped ? x : y;
+      const auto from = stored.pixel(mirroredX ? stored.width - 1 - u : u, mirroredY ? stored.height - 1 - v : v);
+      std::ranges::copy(from, image.pixel(x, y).begin());
+    }
+  return image;
+}
+
+}  // namespace
+}  // namespace io
+
+ImageFileInfo probeImage(const fs::path& path) {
+  constexpr std::size_t kPrefix = std::size_t(1) << 18;
+  const std::string name = path.string();
+  // Most headers stand in the first few kilobytes; where one does not, the whole file is read.
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored) && fs::file_size(path, ignored) > kPrefix) {
+    std::vector<std::byte> prefix(kPrefix);
+    std::ifstream file(path, std::ios::binary);
+    file.read(reinterpret_cast<char*>(prefix.data()), std::streamsize(prefix.size()));
+    if (file) {
+      const auto format = io::formatOf(prefix, name);
+      try {
+        return format.probe(prefix, name);
+      } catch (const Error&) {
+      }
+    }
+  }
+  const auto file = readFile(path);
+  return io::formatOf(file, name).probe(file, name);
+}
+
+Image8 readImage(const fs::path& path, bool applyOrientation, const ReadLimits& limits) {
+  const std::string name = path.string();
+  const auto file = readFile(path);
+  ImageFileInfo info;
+  Image8 image = io::formatOf(file, name).read(file, name, limits, info);
+  return applyOrientation && info.orientation != 1 ? io::oriented(image, info.orientation) : image;
+}
+
+void writeImage(const fs::path& path, const Image8& image, int quality) {
+  assert(image.width > 0 && image.height > 0 && quality >= 1 && quality <= 100);
+  const std::string name = path.string();
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+  check(jpeg || extension == ".png", ErrorCode::unsupported, "{}: pictures are written as .png, .jpg or .jpeg", name);
+  check(image.channels == 1 || image.channels == 3 || (image.channels == 4 && !jpeg), ErrorCode::unsupported,
+        "{}: {} channels do not fit the format", name, image.channels);
+  writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, name));
+}
+
+}  // namespace ibr

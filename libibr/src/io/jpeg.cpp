@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// JPEG through libjpeg-turbo.
+//
+// libjpeg reports errors by a call that must not return; we leave it by longjmp, so no object with a destructor may
+// live in the functions handed to `guarded`.
+#include <cstdio>  // jpeglib.h needs it
+// clang-format off
+#include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
+
+#include <csetjmp>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/check.h"
+#include "io/codec.h"
+#include "io/exif.h"
+
+namespace ibr::io {
+namespace {
+
+constexpr int kMostScans = 100;  // a progressive file has about ten; each costs a pass over the whole picture
+
+struct Errors : jpeg_error_mgr {
+  std::jmp_buf jump;
+  ErrorCode code = ErrorCode::invalidInput;
+  char text[JMSG_LENGTH_MAX] = {};
+};
+
+[[noreturn]] void leave(j_common_ptr state) {
+  auto& errors = static_cast<Errors&>(*state->err);
+  errors.format_message(state, errors.text);
+  switch (errors.msg_code) {
+    case JERR_ARITH_NOTIMPL:
+    case JERR_BAD_PRECISION:
+    case JERR_CONVERSION_NOTIMPL:
+    case JERR_NOT_COMPILED:
+    case JERR_SOF_UNSUPPORTED:
+      errors.code = ErrorCode::unsupported;
+      break;
+    case JERR_OUT_OF_MEMORY:
+      errors.code = ErrorCode::outOfMemory;
+      break;
+    default:
+      break;
+  }
+  std::longjmp(errors.jump, 1);
+}
+
+// A warning means that libjpeg goes on with a guess. Where the guess is about pixels it is an error of ours; the others
+// (stray bytes between segments, odd Adobe markers) come from cameras that work.
+void weigh(j_common_ptr state, int level) {
+  if (level >= 0) return;
+  switch (state->err->msg_code) {
+    case JWRN_JPEG_EOF:
+    case JWRN_HIT_MARKER:
+    case JWRN_HUFF_BAD_CODE:
+    case JWRN_ARITH_BAD_CODE:
+    case JWRN_MUST_RESYNC:
+    case JWRN_BOGUS_PROGRESSION:
+      leave(state);
+    default:
+      break;
+  }
+}
+
+void countScans(j_common_ptr state) {
+  if (reinterpret_cast<j_decompress_ptr>(state)->input_scan_number <= kMostScans) return;
+  auto& errors = static_cast<Errors&>(*state->err);
+  constexpr char kText[] = "has more progressive scans than any camera writes";
+  std::memcpy(errors.text, kText, sizeof kText);
+  std::longjmp(errors.jump, 1);
+}
+
+template <class State>
+class Codec {
+ public:
+  explicit Codec(const std::string& name) : name_(name) {
+    state.err = jpeg_std_error(&errors_);
+    errors_.error_exit = leave;
+    errors_.emit_message = weigh;
+  }
+  Codec(const Codec&) = delete;
+  Codec& operator=(const Codec&) = delete;
+  ~Codec() { jpeg_destroy(reinterpret_cast<j_common_ptr>(&state)); }
+
+  template <class F>
+  void guarded(F&& f) {
+    if (setjmp(errors_.jump)) fail(errors_.code, "{}: {}", name_, errors_.text);
+    f();
+  }
+
+  State state{};
+
+ private:
+  const std::string& name_;
+  Errors errors_{};
+};
+
+class Decoder : public Codec<jpeg_decompress_struct> {
+ public:
+  Decoder(Bytes file, const std::string& name) : Codec(name) {
+    guarded([&] {
+      jpeg_create_decompress(&state);
+      jpeg_mem_src(&state, reinterpret_cast<const unsigned char*>(file.data()), file.size());
+      jpeg_save_markers(&state, JPEG_APP0 + 1, 0xffff);
+      jpeg_read_header(&state, TRUE);
+    });
+    progress_.progress_monitor = countScans;
+    state.progress = &progress_;
+  }
+
+  ImageFileInfo info() const {
+    return {int(state.image_width), int(state.image_height), state.num_components, state.data_precision, orientation()};
+  }
+
+ private:
+  int orientation() const {
+    constexpr char kExif[6] = {'E', 'x', 'i', 'f', 0, 0};
+    for (auto marker = state.marker_list; marker; marker = marker->next)
+      if (marker->data_length > sizeof kExif && std::memcmp(marker->data, kExif, sizeof kExif) == 0)
+        return exifOrientation(std::as_bytes(std::span(marker->data, marker->data_length)).subspan(sizeof kExif));
+    return 1;
+  }
+
+  jpeg_progress_mgr progress_{};
+};
+
+}  // namespace
+
+ImageFileInfo probeJpeg(Bytes file, const std::string& name) {
+  return Decoder(file, name).info();
+}
+
+Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
+  Decoder decoder(file, name);
+  auto& state = decoder.state;
+  info = decoder.info();
+  checkSize(info, limits, name);
+  const auto space = state.jpeg_color_space;
+  check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
+        "{}: {} colour components that are not grey or RGB (CMYK pictures are not read)", name, info.channels);
+  // Huffman coding spends at least one bit on each block of the first component: a small file cannot hold a large
+  // picture.
+  const auto blocks = std::uint64_t(info.width / 8) * std::uint64_t(info.height / 8);
+  check(state.arith_code || blocks / 8 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels",
+        name, file.size(), info.width, info.height);
+
+  Image8 image(info.width, info.height, 3);
+  decoder.guarded([&] {
+    state.out_color_space = JCS_RGB;
+    jpeg_start_decompress(&state);
+    const std::size_t stride = std::size_t(image.width) * 3;
+    while (state.output_scanline < state.output_height) {
+      JSAMPROW row = image.values.data() + state.output_scanline * stride;
+      jpeg_read_scanlines(&state, &row, 1);
+    }
+    jpeg_finish_decompress(&state);
+  });
+  return image;
+}
+
+std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::string& name) {
+  Codec<jpeg_compress_struct> encoder(name);
+  auto& state = encoder.state;
+  struct Output {
+    unsigned char* data = nullptr;
+    unsigned long size = 0;
+    ~Output() { std::free(data); }
+  } output;
+  encoder.guarded([&] {
+    jpeg_create_compress(&state);
+    jpeg_mem_dest(&state, &output.data, &output.size);
+    state.image_width = JDIMENSION(image.width);
+    state.image_height = JDIMENSION(image.height);
+    state.input_components = image.channels;
+    state.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    jpeg_set_defaults(&state);
+    jpeg_set_quality(&state, quality, TRUE);
+    state.optimize_coding = TRUE;
+    // Colour at full resolution: these pictures are measured channel by channel and sampled as textures.
+    state.comp_info[0].h_samp_factor = state.comp_info[0].v_samp_factor = 1;
+    jpeg_start_compress(&state, TRUE);
+    const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
+    while (state.next_scanline < state.image_height) {
+      auto row = const_cast<JSAMPROW>(image.values.data() + state.next_scanline * stride);
+      jpeg_write_scanlines(&state, &row, 1);
+    }
+    jpeg_finish_compress(&state);
+  });
+  const auto bytes = std::as_bytes(std::span(output.data, output.size));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace ibr::io

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// PNG through libpng. As in jpeg.cpp, errors leave by longjmp: no object with a destructor in `guarded` functions.
+#include <png.h>
+
+#include <csetjmp>
+#include <cstring>
+
+#include "base/check.h"
+#include "io/codec.h"
+#include "io/exif.h"
+
+namespace ibr::io {
+namespace {
+
+struct Errors {
+  std::jmp_buf jump;
+  char text[256] = {};
+};
+
+[[noreturn]] void leave(png_structp png, png_const_charp text) {
+  auto& errors = *static_cast<Errors*>(png_get_error_ptr(png));
+  std::strncpy(errors.text, text, sizeof errors.text - 1);
+  std::longjmp(errors.jump, 1);
+}
+
+// Warnings are about metadata; damage to pixels is always an error in libpng.
+void ignore(png_structp, png_const_charp) {}
+
+class Codec {
+ public:
+  enum class Way { read, write };
+
+  Codec(Way way, const std::string& name) : way_(way), name_(name) {
+    const auto create = way == Way::read ? png_create_read_struct : png_create_write_struct;
+    png = create(PNG_LIBPNG_VER_STRING, &errors_, leave, ignore);
+    if (png) info = png_create_info_struct(png);
+    if (info) return;
+    destroy();
+    fail(ErrorCode::outOfMemory, "{}: no memory for libpng", name);
+  }
+  Codec(const Codec&) = delete;
+  Codec& operator=(const Codec&) = delete;
+  ~Codec() { destroy(); }
+
+  template <class F>
+  void guarded(F&& f) {
+    if (setjmp(errors_.jump)) fail(ErrorCode::invalidInput, "{}: {}", name_, errors_.text);
+    f();
+  }
+
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+
+ private:
+  void destroy() {
+    if (way_ == Way::read) png_destroy_read_struct(&png, &info, nullptr);
+    if (way_ == Way::write) png_destroy_write_struct(&png, &info);
+  }
+
+  Way way_;
+  const std::string& name_;
+  Errors errors_;
+};
+
+class Decoder : public Codec {
+ public:
+  Decoder(Bytes file, const std::string& name) : Codec(Way::read, name), rest_(file) {
+    guarded([&] {
+      png_set_read_fn(png, &rest_, take);
+      png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // ours are checked by checkSize
+      png_set_chunk_malloc_max(png, 8 << 20);
+      png_set_chunk_cache_max(png, 128);
+      png_read_info(png, info);
+    });
+  }
+
+  ImageFileInfo probe() {
+    const int type = png_get_color_type(png, info);
+    const bool palette = type == PNG_COLOR_TYPE_PALETTE;
+    return {int(png_get_image_width(png, info)), int(png_get_image_height(png, info)),
+            palette ? 3 : png_get_channels(png, info), palette ? 8 : png_get_bit_depth(png, info), orientation()};
+  }
+
+ private:
+  static void take(png_structp png, png_bytep out, std::size_t size) {
+    auto& rest = *static_cast<Bytes*>(png_get_io_ptr(png));
+    if (rest.size() < size) png_error(png, "ends too early");
+    std::memcpy(out, rest.data(), size);
+    rest = rest.subspan(size);
+  }
+
+  int orientation() {
+    png_uint_32 size = 0;
+    png_bytep data = nullptr;
+    if (png_get_eXIf_1(png, info, &size, &data) == 0) return 1;
+    return exifOrientation(std::as_bytes(std::span(data, size)));
+  }
+
+  Bytes rest_;
+};
+
+}  // namespace
+
+ImageFileInfo probePng(Bytes file, const std::string& name) {
+  return Decoder(file, name).probe();
+}
+
+Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
+  Decoder decoder(file, name);
+  info = decoder.probe();
+  checkSize(info, limits, name);
+  // Deflate shrinks at most 1032 times: a small file cannot hold a large picture.
+  const auto bits =
+      std::uint64_t(info.width) * std::uint64_t(info.height) * png_get_bit_depth(decoder.png, decoder.info);
+  check(bits / 8 / 1032 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels", name,
+        file.size(), info.width, info.height);
+
+  Image8 image(info.width, info.height, 3);
+  decoder.guarded([&] {
+    png_structp png = decoder.png;
+    png_set_palette_to_rgb(png);
+    png_set_expand_gray_1_2_4_to_8(png);
+    png_set_scale_16(png);  // rounds, where png_set_strip_16 would cut
+    png_set_strip_alpha(png);
+    png_set_gray_to_rgb(png);
+    const int passes = png_set_interlace_handling(png);
+    png_read_update_info(png, decoder.info);
+    const std::size_t stride = std::size_t(image.width) * 3;
+    if (png_get_rowbytes(png, decoder.info) != stride) png_error(png, "is of a kind that is not read");
+    for (int pass = 0; pass < passes; ++pass)
+      for (int y = 0; y < image.height; ++y) png_read_row(png, image.values.data() + std::size_t(y) * stride, nullptr);
+    png_read_end(png, decoder.info);
+  });
+  // Metadata may also stand behind the pixels.
+  info.orientation = decoder.probe().orientation;
+  return image;
+}
+
+std::vector<std::byte> encodePng(const Image8& image, const std::string& name) {
+  Codec encoder(Codec::Way::write, name);
+  std::vector<std::byte> file;
+  encoder.guarded([&] {
+    png_structp png = encoder.png;
+    const auto append = [](png_structp p, png_bytep data, std::size_t size) {
+      auto& out = *static_cast<std::vector<std::byte>*>(png_get_io_ptr(p));
+      out.insert(out.end(), reinterpret_cast<std::byte*>(data), reinterpret_cast<std::byte*>(data) + size);
+    };
+    png_set_write_fn(png, &file, append, nullptr);
+    const int type = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                     : image.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                           : PNG_COLOR_TYPE_RGB_ALPHA;
+    png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
+    png_set_IHDR(png, encoder.info, png_uint_32(image.width), png_uint_32(image.height), 8, type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, encoder.info);
+    const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
+    for (int y = 0; y < image.height; ++y) png_write_row(png, image.values.data() + std::size_t(y) * stride);
+    png_write_end(png, nullptr);
+  });
+  return file;
+}
+
+}  // namespace ibr::io

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every kind of file comes out as the RGB it shows.
+#include <png.h>
+#include <tiffio.h>
+
+#include "io/image_file.h"
+#include "support/temporary_folder.h"
+#include "unusual_files.h"
+
+using namespace ibr;
+
+TEST_CASE("16-bit PNG is rounded to 8 bits, in RGB order") {
+  test::TemporaryFolder folder;
+  // 257 · n is n exactly; 128 more or less is the middle.
+  const test::Bytes row{0x12, 0x12, 0x80, 0x00, 0xff, 0xff, 0x00, 0x7f, 0x00, 0x81, 0xff, 0x7e};
+  test::writeBytes(folder / "a.png", test::makePng(2, 1, PNG_COLOR_TYPE_RGB, 16, {row}));
+  CHECK(probeImage(folder / "a.png").bitsPerChannel == 16);
+  const Image8 image = readImage(folder / "a.png");
+  REQUIRE(image.channels == 3);
+  CHECK(image.values == std::vector<std::uint8_t>{0x12, 0x80, 0xff, 0, 1, 0xfe});
+}
+
+TEST_CASE("grey PNG of 1, 2, 4, 8 and 16 bits becomes grey RGB") {
+  test::TemporaryFolder folder;
+  const std::pair<int, test::Bytes> rows[] = {
+      {1, {0x40}}, {2, {0x30}}, {4, {0x0f}}, {8, {0, 255}}, {16, {0, 0, 255, 255}}};
+  for (const auto& [bits, row] : rows) {
+    test::writeBytes(folder / "a.png", test::makePng(2, 1, PNG_COLOR_TYPE_GRAY, bits, {row}));
+    CHECK(readImage(folder / "a.png").values == std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255});
+  }
+}
+
+TEST_CASE("palette and alpha PNG become RGB") {
+  test::TemporaryFolder folder;
+  test::writeBytes(folder / "palette.png", test::makePng(3, 1, PNG_COLOR_TYPE_PALETTE, 2, {{0x18}}, false,
+                                                         {9, 8, 7, 10, 20, 30, 200, 100, 50}));
+  CHECK(readImage(folder / "palette.png").values == std::vector<std::uint8_t>{9, 8, 7, 10, 20, 30, 200, 100, 50});
+  CHECK(probeImage(folder / "palette.png").channels == 3);
+  const Image8 withAlpha = test::noisyPicture(5, 4, 4);
+  writeImage(folder / "alpha.png", withAlpha);
+  CHECK(probeImage(folder / "alpha.png").channels == 4);
+  const Image8 image = readImage(folder / "alpha.png");
+  REQUIRE(image.channels == 3);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 5; ++x)
+      for (std::size_t c = 0; c < 3; ++c) CHECK(image.pixel(x, y)[c] == withAlpha.pixel(x, y)[c]);
+}
+
+TEST_CASE("an interlaced PNG is the same picture") {
+  test::TemporaryFolder folder;
+  const Image8 image = test::noisyPicture(13, 11, 3);
+  std::vector<test::Bytes> rows;
+  for (int y = 0; y < image.height; ++y)
+    rows.emplace_back(image.values.begin() + y * 39, image.values.begin() + (y + 1) * 39);
+  test::writeBytes(folder / "a.png", test::makePng(13, 11, PNG_COLOR_TYPE_RGB, 8, rows, true));
+  CHECK(readImage(folder / "a.png") == image);
+}
+
+TEST_CASE("baseline, progressive and grey JPEG are near the picture that was written") {
+  test::TemporaryFolder folder;
+  Image8 smooth(40, 24, 3);
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 40; ++x) {
+      smooth.pixel(x, y)[0] = std::uint8_t(6 * x);
+      smooth.pixel(x, y)[1] = std::uint8_t(10 * y);
+      smooth.pixel(x, y)[2] = 40;
+    }
+  for (const auto kind : {test::JpegKind::baseline, test::JpegKind::progressive}) {
+    test::writeBytes(folder / "a.jpg", test::makeJpeg(smooth, kind));
+    const Image8 image = readImage(folder / "a.jpg");
+    REQUIRE((image.width == 40 && image.height == 24 && image.channels == 3));
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+      REQUIRE(std::abs(int(image.values[i]) - int(smooth.values[i])) <= 8);
+  }
+  Image8 grey(16, 8, 1, 77);
+  test::writeBytes(folder / "grey.jpg", test::makeJpeg(grey, test::JpegKind::baseline));
+  CHECK(probeImage(folder / "grey.jpg").channels == 1);
+  CHECK(readImage(folder / "grey.jpg") == Image8(16, 8, 3, 77));
+}
+
+TEST_CASE("CMYK is refused by name, not shown in wrong colours") {
+  test::TemporaryFolder folder;
+  test::writeBytes(folder / "a.jpg", test::makeJpeg(test::noisyPicture(16, 16, 4), test::JpegKind::cmyk));
+  const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });
+  CHECK(error.code() == ErrorCode::unsupported);
+  CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains("CMYK"));
+  test::makeTiff(folder / "a.tif", Image<std::uint16_t>(4, 4, 4, 9), 8, PHOTOMETRIC_SEPARATED, false);
+  CHECK(test::errorOf([&] { readImage(folder / "a.tif"); }).code() == ErrorCode::unsupported);
+}
+
+TEST_CASE("TIFF of 8 and 16 bits, grey, RGB and opaque RGBA") {
+  test::TemporaryFolder folder;
+  Image<std::uint16_t> rgb(2, 1, 3);
+  rgb.values = {1, 2, 3, 250, 251, 252};
+  test::makeTiff(folder / "a.tif", rgb, 8, PHOTOMETRIC_RGB, false);
+  CHECK(readImage(folder / "a.tif").values == std::vector<std::uint8_t>{1, 2, 3, 250, 251, 252});
+  CHECK(probeImage(folder / "a.tif").width == 2);
+  rgb.values = {0x1212, 0x8000, 0xffff, 0x007f, 0x0081, 0xff7e};
+  test::makeTiff(folder / "b.tif", rgb, 16, PHOTOMETRIC_RGB, false);
+  CHECK(readImage(folder / "b.tif").values == std::vector<std::uint8_t>{0x12, 0x80, 0xff, 0, 1, 0xfe});
+  test::makeTiff(folder / "c.tif", Image<std::uint16_t>(3, 2, 1, 88), 8, PHOTOMETRIC_MINISBLACK, false);
+  CHECK(readImage(folder / "c.tif") == Image8(3, 2, 3, 88));
+  Image<std::uint16_t> rgba(1, 1, 4);
+  rgba.values = {10, 20, 30, 255};
+  test::makeTiff(folder / "d.tif", rgba, 8, PHOTOMETRIC_RGB, true);
+  CHECK(readImage(folder / "d.tif").values == std::vector<std::uint8_t>{10, 20, 30});
+  rgba.values[3] = 128;
+  test::makeTiff(folder / "e.tif", rgba, 8, PHOTOMETRIC_RGB, true);
+  CHECK(test::errorOf([&] { readImage(folder / "e.tif"); }).code() == ErrorCode::unsupported);
+}
+
+TEST_CASE("the eight EXIF orientations turn the stored picture upright, and only where asked") {
+  test::TemporaryFolder folder;
+  // Upright, 16 × 8: four flat blocks, so that JPEG keeps them. Each orientation stores it turned as cameras do.
+  const std::uint8_t tl = 10, tr = 80, bl = 160, br = 240;
+  const std::uint8_t stored[9][4] = {{},
+                                     {tl, tr, bl, br},
+                                     {tr, tl, br, bl},
+                                     {br, bl, tr, tl},
+                                     {bl, br, tl, tr},
+                                     {tl, bl, tr, br},
+                                     {tr, br, tl, bl},
+                                     {br, tr, bl, tl},
+                                     {bl, tl, br, tr}};
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    const int width = orientation < 5 ? 32 : 16, height = 48 - width;
+    Image8 image(width, height, 1);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        image.pixel(x, y)[0] = stored[orientation][(y >= height / 2 ? 2 : 0) + (x >= width / 2 ? 1 : 0)];
+    test::writeBytes(folder / "a.jpg", test::withExif(test::makeJpeg(image, test::JpegKind::baseline), orientation));
+    INFO("orientation " << orientation);
+    CHECK(probeImage(folder / "a.jpg").orientation == orientation);
+    const Image8 asStored = readImage(folder / "a.jpg");
+    CHECK((asStored.width == width && asStored.height == height));
+    const Image8 upright = readImage(folder / "a.jpg", true);
+    REQUIRE((upright.width == 32 && upright.height == 16));
+    CHECK(std::abs(upright.pixel(4, 4)[0] - tl) <= 2);
+    CHECK(std::abs(upright.pixel(28, 4)[0] - tr) <= 2);
+    CHECK(std::abs(upright.pixel(4, 12)[0] - bl) <= 2);
+    CHECK(std::abs(upright.pixel(28, 12)[0] - br) <= 2);
+  }
+  Image<std::uint16_t> pair(2, 1, 1);
+  pair.values = {5, 9};
+  test::makeTiff(folder / "a.tif", pair, 8, PHOTOMETRIC_MINISBLACK, false, 3);
+  CHECK(readImage(folder / "a.tif").values[0] == 5);
+  CHECK(readImage(folder / "a.tif", true).values[0] == 9);
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "unusual_files.h"
+
+#include <cstdio>
+// clang-format off
+#include <jpeglib.h>
+#include <png.h>
+#include <tiffio.h>
+// clang-format on
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <span>
+
+namespace ibr::test {
+
+Image8 noisyPicture(int width, int height, int channels) {
+  std::mt19937 random(7);
+  Image8 image(width, height, channels);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < channels; ++c)
+        image.pixel(x, y)[std::size_t(c)] = std::uint8_t((3 * x + 2 * y + 60 * c) % 180 + int(random() % 60));
+  return image;
+}
+
+Bytes makeJpeg(const Image8& image, JpegKind kind) {
+  jpeg_compress_struct state{};
+  jpeg_error_mgr errors{};
+  state.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&state);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&state, &data, &size);
+  state.image_width = JDIMENSION(image.width);
+  state.image_height = JDIMENSION(image.height);
+  state.input_components = image.channels;
+  state.in_color_space = kind == JpegKind::cmyk ? JCS_CMYK : image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  jpeg_set_defaults(&state);
+  jpeg_set_quality(&state, 95, TRUE);
+  if (kind == JpegKind::progressive) jpeg_simple_progression(&state);
+  std::vector<jpeg_scan_info> scans;
+  if (kind == JpegKind::manyScans) {
+    scans.push_back({state.num_components, {0, 1, 2}, 0, 0, 0, 0});
+    for (int coefficient = 1; coefficient < 64; ++coefficient)
+      for (int bit = 3; bit >= 0; --bit)
+        scans.push_back({1, {0}, coefficient, coefficient, bit == 3 ? 0 : bit + 1, bit});
+    state.scan_info = scans.data();
+    state.num_scans = int(scans.size());
+  }
+  jpeg_start_compress(&state, TRUE);
+  const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
+  while (state.next_scanline < state.image_height) {
+    auto row = const_cast<JSAMPROW>(image.values.data() + state.next_scanline * stride);
+    jpeg_write_scanlines(&state, &row, 1);
+  }
+  jpeg_finish_compress(&state);
+  Bytes bytes(data, data + size);
+  jpeg_destroy_compress(&state);
+  std::free(data);
+  return bytes;
+}
+
+Bytes makePng(int width, int height, int type, int bits, const std::vector<Bytes>& rows, bool interlaced,
+              const std::vector<std::uint8_t>& palette) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  Bytes bytes;
+  const auto append = [](png_structp p, png_bytep data, std::size_t size) {
+    auto& out = *static_cast<Bytes*>(png_get_io_ptr(p));
+    out.insert(out.end(), data, data + size);
+  };
+  png_set_write_fn(png, &bytes, append, nullptr);
+  png_set_IHDR(png, info, png_uint_32(width), png_uint_32(height), bits, type,
+               interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  if (!palette.empty())
+    png_set_PLTE(png, info, reinterpret_cast<png_const_colorp>(palette.data()), int(palette.size() / 3));
+  png_write_info(png, info);
+  std::vector<png_bytep> pointers;
+  for (const Bytes& row : rows) pointers.push_back(const_cast<png_bytep>(row.data()));
+  png_write_image(png, pointers.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& image, int bits, int photometric,
+              bool alpha, int orientation) {
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  REQUIRE(tiff);
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, image.width);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, image.height);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, image.channels);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, photometric);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, image.height);
+  const std::uint16_t kind = EXTRASAMPLE_UNASSALPHA;
+  if (alpha) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
+  for (int y = 0; y < image.height; ++y) {
+    Bytes row;
+    for (int x = 0; x < image.width; ++x)
+      for (const std::uint16_t value : image.pixel(x, y)) {
+        row.push_back(std::uint8_t(value & 255));
+        if (bits == 16) row.push_back(std::uint8_t(value >> 8));
+      }
+    REQUIRE(TIFFWriteScanline(tiff, row.data(), std::uint32_t(y)) == 1);
+  }
+  TIFFClose(tiff);
+}
+
+Bytes exifBlock(int orientation, bool bigEndian) {
+  const std::uint8_t value = std::uint8_t(orientation);
+  // One entry before the orientation, so that the walk over the directory is walked.
+  if (bigEndian)
+    return {'M', 'M', 0, 42, 0,    0, 0, 8, 0, 2, 0x01, 0x0f, 0,     2, 0, 0, 0, 1, 'A',
+            0,   0,   0, 1,  0x12, 0, 3, 0, 0, 0, 1,    0,    value, 0, 0, 0, 0, 0, 0};
+  return {'I', 'I', 42, 0,    8, 0, 0, 0, 2, 0, 0x0f, 0x01,  2, 0, 1, 0, 0, 0, 'A',
+          0,   0,   0,  0x12, 1, 3, 0, 1, 0, 0, 0,    value, 0, 0, 0, 0, 0, 0, 0};
+}
+
+Bytes withExif(const Bytes& jpeg, int orientation) {
+  const Bytes block = exifBlock(orientation, orientation % 2 == 0);
+  const std::size_t length = 2 + 6 + block.size();
+  Bytes segment{0xff, 0xe1, std::uint8_t(length >> 8), std::uint8_t(length & 255), 'E', 'x', 'i', 'f', 0, 0};
+  segment.insert(segment.end(), block.begin(), block.end());
+  Bytes out = jpeg;
+  out.insert(out.begin() + 2, segment.begin(), segment.end());
+  return out;
+}
+
+Bytes withJpegSize(Bytes jpeg, int width, int height) {
+  for (std::size_t at = 2; at + 9 < jpeg.size(); at += 2 + std::size_t(jpeg[at + 2] << 8 | jpeg[at + 3]))
+    if (jpeg[at + 1] == 0xc0 || jpeg[at + 1] == 0xc2) {
+      jpeg[at + 5] = std::uint8_t(height >> 8);
+      jpeg[at + 6] = std::uint8_t(height & 255);
+      jpeg[at + 7] = std::uint8_t(width >> 8);
+      jpeg[at + 8] = std::uint8_t(width & 255);
+      return jpeg;
+    }
+  FAIL("no frame header");
+  return {};
+}
+
+Bytes withPngSize(Bytes png, int width, int height) {
+  constexpr std::size_t kHeader = 12, kHeaderSize = 17;  // type and data of IHDR
+  const auto put = [&](std::size_t at, std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) png[at + i] = std::uint8_t(value >> (24 - 8 * i) & 255);
+  };
+  put(16, std::uint32_t(width));
+  put(20, std::uint32_t(height));
+  std::uint32_t crc = 0xffffffffu;
+  for (const std::uint8_t byte : std::span(png).subspan(kHeader, kHeaderSize)) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = crc & 1 ? crc >> 1 ^ 0xedb88320u : crc >> 1;
+  }
+  put(kHeader + kHeaderSize, ~crc);
+  return png;
+}
+
+void writeBytes(const std::filesystem::path& path, const Bytes& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+}
+
+Bytes readBytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace ibr::test

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files that our own writer does not write, made with the same C libraries and by hand.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ibr/error.h"
+#include "ibr/image.h"
+
+namespace ibr::test {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Noise over a ramp: compresses badly, so that files are long and every part of them matters.
+Image8 noisyPicture(int width, int height, int channels);
+
+enum class JpegKind { baseline, progressive, manyScans, cmyk };
+Bytes makeJpeg(const Image8& image, JpegKind kind);  // cmyk: 4 channels
+
+/// PNG of any kind: `type` and `bits` as libpng has them, rows packed by the caller.
+Bytes makePng(int width, int height, int type, int bits, const std::vector<Bytes>& rows, bool interlaced = false,
+              const std::vector<std::uint8_t>& palette = {});
+
+/// TIFF, one strip, uncompressed; `photometric` as libtiff has it; 8 or 16 bits a sample; alpha: the last sample is
+/// one.
+void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& image, int bits, int photometric,
+              bool alpha, int orientation = 1);
+
+/// The same JPEG with an EXIF segment that holds `orientation`.
+Bytes withExif(const Bytes& jpeg, int orientation);
+/// The TIFF block of an EXIF segment.
+Bytes exifBlock(int orientation, bool bigEndian);
+
+/// The same file with another size in its header.
+Bytes withJpegSize(Bytes jpeg, int width, int height);
+Bytes withPngSize(Bytes png, int width, int height);
+
+void writeBytes(const std::filesystem::path& path, const Bytes& bytes);
+Bytes readBytes(const std::filesystem::path& path);
+
+/// What `f` throws; fails the test where it throws nothing.
+template <class F>
+Error errorOf(F&& f);
+
+}  // namespace ibr::test
+
+#include <catch2/catch.hpp>
+
+template <class F>
+ibr::Error ibr::test::errorOf(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  FAIL("nothing was thrown");
+  throw;
+}
