@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stands in the files of a COLMAP model, read but not yet judged: readColmapModel() checks and converts it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace ibr::colmap {
+
+/// Where something stands in a file, for messages.
+struct Place {
+  const std::filesystem::path* file;
+  std::uint64_t at;  // line (from 1) of a text file, byte of a binary one
+  bool text;
+
+  std::string describe() const;  // "…/images.txt:12" or "…/images.bin: byte 24"
+};
+
+struct ModelKind {
+  const char* name;
+  std::size_t parameters;
+};
+/// COLMAP's camera models by their number in binary files (src/base/camera_models.h of COLMAP 3.8).
+inline constexpr std::array<ModelKind, 11> kModelKinds{{{"SIMPLE_PINHOLE", 3},
+                                                        {"PINHOLE", 4},
+                                                        {"SIMPLE_RADIAL", 4},
+                                                        {"RADIAL", 5},
+                                                        {"OPENCV", 8},
+                                                        {"OPENCV_FISHEYE", 8},
+                                                        {"FULL_OPENCV", 12},
+                                                        {"FOV", 5},
+                                                        {"SIMPLE_RADIAL_FISHEYE", 4},
+                                                        {"RADIAL_FISHEYE", 5},
+                                                        {"THIN_PRISM_FISHEYE", 12}}};
+inline constexpr std::size_t kSimplePinhole = 0, kPinhole = 1;
+
+inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation without a point
+inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered
+
+struct CameraRecord {
+  Place place;
+  std::uint64_t id;
+  std::size_t kind;  // index into kModelKinds
+  std::uint64_t width, height;
+  std::vector<double> parameters;
+};
+struct ObservationRecord {
+  double x, y;
+  std::uint64_t point;  // kNoPoint: none
+};
+struct ImageRecord {
+  Place place;
+  std::uint64_t id;
+  std::array<double, 4> quaternion;   // w, x, y, z; world to camera
+  std::array<double, 3> translation;  // world to camera
+  std::uint64_t camera;               // kNoCamera: none
+  std::string name;
+  std::vector<ObservationRecord> observations;
+};
+struct PointRecord {
+  Place place;
+  std::uint64_t id;
+  std::array<double, 3> position;
+};
+
+/// All numbers are finite; nothing else is promised.
+struct Records {
+  Records() = default;
+  Records(const Records&) = delete;  // the places point into it
+  Records& operator=(const Records&) = delete;
+
+  std::filesystem::path camerasFile, imagesFile, pointsFile;  // what the places point to
+  std::vector<CameraRecord> cameras;
+  std::vector<ImageRecord> images;
+  std::vector<PointRecord> points;
+};
+
+/// Fill `records`, whose three file names are set (an empty pointsFile: there is none). Throw Error with the place.
+void readText(Records& records);
+void readBinary(Records& records);
+
+}  // namespace ibr::colmap
