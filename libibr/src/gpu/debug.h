@@ -11,11 +11,11 @@
 
 namespace ibr {
 
-void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name) noexcept;
+void nameObject(const Device& device, VkObjectType type, std::uint64_t handle, std::string_view name);
 
 /// The same for a handle of any type.
 template <class T>
-void nameObject(const Device& device, VkObjectType type, T* handle, std::string_view name) noexcept {
+void nameObject(const Device& device, VkObjectType type, T* handle, std::string_view name) {
   nameObject(device, type, reinterpret_cast<std::uint64_t>(handle), name);
 }
 

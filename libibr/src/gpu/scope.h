@@ -33,25 +33,26 @@ class ScopeTimer {
   void end(VkCommandBuffer commands) noexcept;  // of the scope begun last
 
   /// In the order of their beginnings, after the device has finished the commands; a scope lasts from the end of all
-  /// work before it to the end of all work in it. Empty where the queue has no timestamps or they are not there yet.
+  /// work before it to the end of all work in it. What has not finished is left out; all is, where the queue has no
+  /// timestamps.
   std::vector<ScopeTime> read() const;
 
  private:
   struct Scope {
     const char* name;
     int depth;
-    bool ended;
   };
 
   VkDevice device_;
   PFN_vkCmdBeginDebugUtilsLabelEXT beginLabel_;
   PFN_vkCmdEndDebugUtilsLabelEXT endLabel_;
-  QueryPoolHandle queries_;  // begin and end of scope i at 2i and 2i + 1
   double millisecondsPerTick_;
-  std::uint64_t tickMask_;
-  std::uint32_t maxScopes_;
-  std::vector<Scope> scopes_;        // never beyond maxScopes_, which is reserved: record functions do not allocate
+  std::uint64_t tickMask_ = 0;
+  QueryPoolHandle queries_;  // begin and end of scope i at 2i and 2i + 1
+  std::uint32_t maxScopes_ = 0;
+  std::vector<Scope> scopes_;        // room for maxScopes_ is reserved: what records does not allocate
   std::vector<std::uint32_t> open_;  // indices into scopes_, outermost first
+  std::uint32_t untimed_ = 0;        // open scopes without a time
 };
 
 /// Begins a scope and ends it with the block. Without a timer it does nothing.

@@ -45,8 +45,8 @@ class Uploader {
     VkBufferCopy region;
   };
 
-  VkDeviceSize stage(std::span<const std::byte> bytes);
-  void record(VkCommandBuffer commands) const;
+  VkDeviceSize room() const;
+  VkDeviceSize stage(std::span<const std::byte> bytes);  // what fits into room(); returns its place
 
   Submission submission_;
   Buffer staging_;

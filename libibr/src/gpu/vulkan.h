@@ -6,7 +6,7 @@
 
 namespace ibr {
 
-/// The enumerator's name, such as "VK_ERROR_DEVICE_LOST"; "VkResult" and the number for one that is not known here.
+/// The enumerator, such as "VK_ERROR_DEVICE_LOST"; "an unknown VkResult" for those of extensions that we do not use.
 const char* resultName(VkResult result) noexcept;
 
 /// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) that names call and result unless it is VK_SUCCESS.

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/device.h"
+
+#include <fmt/ranges.h>
+
+#include <utility>
+
+#include "base/check.h"
+#include "gpu/device_choice.h"
+#include "gpu/instance.h"
+#include "gpu/vulkan.h"
+
+namespace ibr {
+
+struct Device::State {
+  explicit State(LogCallback log) : messages(std::move(log)) {}
+  State(const DeviceOptions& options, std::span<const std::string> extensions)
+      : messages(options.log), owned(extensions, options.validation, messages), instance(owned.get()) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (!owned.get() || !device) return;
+    vkDeviceWaitIdle(device);  // a lost device is idle too
+    vkDestroyDevice(device, nullptr);
+  }
+
+  void describeDevice() {
+    vkGetPhysicalDeviceProperties(physicalDevice, &properties);
+    vkGetPhysicalDeviceMemoryProperties(physicalDevice, &memory);
+    const DeviceDescription description = describe(physicalDevice);
+    name = fmt::format("{}, {}", description.name, description.driver);
+  }
+
+  Messages messages;
+  Instance owned;  // null where the instance is borrowed
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t queueFamily = 0;
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  std::string name;
+};
+
+Device Device::create(const DeviceOptions& options) {
+  DeviceRequirements requirements = Device::requirements();
+  std::vector<std::string> instanceExtensions = requirements.instanceExtensions;
+  instanceExtensions.insert(instanceExtensions.end(), options.instanceExtensions.begin(),
+                            options.instanceExtensions.end());
+  auto state = std::make_unique<State>(options, instanceExtensions);
+  state->physicalDevice = choose(state->instance, options);
+  state->queueFamily = ibr::queueFamily(state->physicalDevice).value();
+  state->describeDevice();
+
+  std::vector<const char*> extensions;
+  for (const std::string& name : requirements.deviceExtensions) extensions.push_back(name.c_str());
+  for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
+  const float priority = 1.0f;
+  const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                          .queueFamilyIndex = state->queueFamily,
+                                          .queueCount = 1,
+                                          .pQueuePriorities = &priority};
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = requirements.features.link(),
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queueInfo,
+                                .enabledExtensionCount = std::uint32_t(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data()};
+  vk(vkCreateDevice(state->physicalDevice, &info, nullptr, &state->device), "vkCreateDevice");
+  vkGetDeviceQueue(state->device, state->queueFamily, 0, &state->queue);
+  state->messages.send(LogLevel::info, fmt::format("Vulkan device: {}", state->name));
+  return Device(std::move(state));
+}
+
+Device Device::adopt(const DeviceHandles& handles) {
+  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
+        "a device cannot be adopted: {} is null",
+        !handles.instance         ? "instance"
+        : !handles.physicalDevice ? "physicalDevice"
+        : !handles.device         ? "device"
+                                  : "queue");
+  DeviceDescription description = describe(handles.physicalDevice);
+  for (std::string& lack : lackingOfQueueFamily(handles.physicalDevice, handles.queueFamily))
+    description.lacking.push_back(std::move(lack));
+  // What was enabled cannot be asked, but a device made for an older version of Vulkan has no such function.
+  if (description.lacking.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
+    description.lacking.push_back("Vulkan 1.3, as it was created");
+  check(description.lacking.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
+        description.name, fmt::join(description.lacking, ", "));
+
+  auto state = std::make_unique<State>(handles.log);
+  state->instance = handles.instance;
+  state->physicalDevice = handles.physicalDevice;
+  state->device = handles.device;
+  state->queue = handles.queue;
+  state->queueFamily = handles.queueFamily;
+  state->describeDevice();
+  state->messages.send(LogLevel::info, fmt::format("Vulkan device, adopted: {}", state->name));
+  return Device(std::move(state));
+}
+
+std::vector<DeviceDescription> Device::list() {
+  Messages messages{LogCallback()};
+  try {
+    const Instance instance({}, false, messages);
+    std::vector<DeviceDescription> descriptions;
+    for (const VkPhysicalDevice device : physicalDevices(instance.get())) descriptions.push_back(describe(device));
+    return descriptions;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::unsupported) return {};  // no driver
+    throw;
+  }
+}
+
+Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+Device::~Device() = default;
+
+VkInstance Device::instance() const noexcept {
+  return state_->instance;
+}
+VkPhysicalDevice Device::physicalDevice() const noexcept {
+  return state_->physicalDevice;
+}
+VkDevice Device::handle() const noexcept {
+  return state_->device;
+}
+VkQueue Device::queue() const noexcept {
+  return state_->queue;
+}
+std::uint32_t Device::queueFamily() const noexcept {
+  return state_->queueFamily;
+}
+const VkPhysicalDeviceProperties& Device::properties() const noexcept {
+  return state_->properties;
+}
+const VkPhysicalDeviceMemoryProperties& Device::memoryProperties() const noexcept {
+  return state_->memory;
+}
+std::string Device::name() const {
+  return state_->name;
+}
+std::uint64_t Device::validationMessages() const noexcept {
+  return state_->messages.validationMessages();
+}
+
+}  // namespace ibr

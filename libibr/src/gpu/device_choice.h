@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// What libibr needs of a physical device, what each lacks, and which one is taken.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ibr/device.h"
+
+namespace ibr {
+
+/// In the loader's order, by which users number them.
+std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance);
+
+/// `lacking` covers Device::requirements() and the further extensions.
+DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string> extensions = {});
+
+/// What requirements() names and the queue family does not offer.
+std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family);
+
+/// The first that serves, if any.
+std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device);
+
+/// By options.device, else IBR_DEVICE, else by type. Throws Error{unsupported} that names all devices and why each was
+/// rejected.
+VkPhysicalDevice choose(VkInstance instance, const DeviceOptions& options);
+
+}  // namespace ibr
