@@ -52,12 +52,15 @@ enum class AlphaContent : std::uint8_t {
   tier,    // (255 − 64·tier) / 255 where something was drawn, 0 where nothing was
 };
 
+/// More cells than this are never drawn in one frame.
+inline constexpr std::uint32_t kLargestCellCount = 64;
+
 struct RenderSettings {
   BlendMode blend = BlendMode::blend;
   Morph morph = Morph::ours;
   DrawOrder order = DrawOrder::ours;
   AlphaContent alpha = AlphaContent::opaque;
-  std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first
+  std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first; kLargestCellCount in any case
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   int lowestTier = kTierRejected;   // kTierAgrees: what the filters rejected is not drawn
   glm::vec3 background{0.0f};       // display-encoded, shown where nothing is drawn
@@ -66,7 +69,7 @@ struct RenderSettings {
 /// What planning needs to know of a cell's mesh, computed once.
 struct CellBounds {
   struct Member {
-    glm::vec3 low{0.0f}, high{0.0f};  // box of the vertices' a_i r_i in the member's camera axes
+    glm::vec3 low{0.0f}, high{0.0f};          // box of the vertices' a_i r_i in the member's camera axes
     glm::vec3 unitLow{0.0f}, unitHigh{0.0f};  // the same of r_i, for Morph::paper
   };
   std::vector<Member> members;       // as Cell::members
@@ -86,13 +89,13 @@ struct PlanState {
 };
 
 struct PlannedCell {
-  std::uint32_t cell = 0;              // index into Scene::cells
-  std::uint32_t rank = 0;              // 0 = main cell
-  double extrapolationDistance = 0;    // world units; 0 inside ([T] §2.5.2)
-  double rotationalDistance = 0;       // radians
-  std::array<double, 4> position{};    // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
-  std::array<double, 4> blend{};       // λ̂ clamped and smoothstepped, sums to 1
-  std::uint32_t best = 0;              // member with the greatest λ̂, which tier 1 is drawn from
+  std::uint32_t cell = 0;            // index into Scene::cells
+  std::uint32_t rank = 0;            // 0 = main cell
+  double extrapolationDistance = 0;  // world units; 0 inside ([T] §2.5.2)
+  double rotationalDistance = 0;     // radians
+  std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
+  std::array<double, 4> blend{};     // λ̂ clamped and smoothstepped, sums to 1
+  std::uint32_t best = 0;            // member with the greatest λ̂, which tier 1 is drawn from
 };
 
 /// One frame, decided. Plain data: it may be kept, compared, sent elsewhere.
@@ -100,10 +103,11 @@ struct FramePlan {
   Camera view;
   RenderSettings settings;
   std::vector<PlannedCell> cells;     // by rank, best first
+  double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
   std::uint32_t culledByDistance = 0;
   std::uint32_t culledByCount = 0;
-  PlanState next;                     // to be handed to the next call
+  PlanState next;  // to be handed to the next call
 };
 
 /// Pure. Preconditions: validate(scene) is empty; the view is a pinhole with finite, positive focal lengths and a unit

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "ibr/renderer.h"
+#include "render/vertex.h"
+
+namespace ibr {
+
+std::vector<CellBounds> cellBounds(const Scene& scene) {
+  std::vector<CellBounds> all(scene.cells.size());
+  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    const Cell& cell = scene.cells[c];
+    CellBounds& bounds = all[c];
+    for (std::size_t i = 0; i < cell.members.size(); ++i) {
+      CellBounds::Member& member = bounds.members.emplace_back();
+      for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+        const glm::vec3 point(memberPoint(scene, cell, i, p)), ray = glm::normalize(point);
+        member.low = p ? glm::min(member.low, point) : point;
+        member.high = p ? glm::max(member.high, point) : point;
+        member.unitLow = p ? glm::min(member.unitLow, ray) : ray;
+        member.unitHigh = p ? glm::max(member.unitHigh, ray) : ray;
+      }
+      for (std::size_t j = 0; j < i; ++j)
+        bounds.size = std::max(bounds.size, glm::distance(scene.nodes[cell.members[i]].camera.pose.position,
+                                                          scene.nodes[cell.members[j]].camera.pose.position));
+    }
+    for (float inverseDistance : cell.mesh.inverseDistance)
+      bounds.largestInverseDistance = std::max(bounds.largestInverseDistance, inverseDistance);
+  }
+  return all;
+}
+
+}  // namespace ibr

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/composite_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "gpu/barrier.h"
+#include "gpu/descriptors.h"
+#include "gpu/pipeline.h"
+#include "shaders/composite_frag.h"
+#include "shaders/composite_vert.h"
+
+namespace ibr {
+namespace {
+
+struct Format {
+  VkFormat format;
+  bool srgb;
+};
+constexpr std::array<Format, 4> kFormats{{{VK_FORMAT_R8G8B8A8_UNORM, false},
+                                          {VK_FORMAT_R8G8B8A8_SRGB, true},
+                                          {VK_FORMAT_B8G8R8A8_UNORM, false},
+                                          {VK_FORMAT_B8G8R8A8_SRGB, true}}};
+
+std::size_t indexOf(VkFormat format) {
+  return std::size_t(std::find_if(kFormats.begin(), kFormats.end(), [&](Format f) { return f.format == format; }) -
+                     kFormats.begin());
+}
+
+struct Constants {
+  glm::vec3 background;
+  std::uint32_t keepTier;
+};
+static_assert(sizeof(Constants) == 16);
+
+}  // namespace
+
+bool CompositePass::supports(VkFormat format) noexcept {
+  return indexOf(format) < kFormats.size();
+}
+
+CompositePass::CompositePass(Device& device, const Canvas& canvas) {
+  const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
+  const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
+                                             VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  setLayout_ = makeSetLayout(device, {&binding, 1});
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  pool_ = makeDescriptorPool(device, 1, {&size, 1});
+  set_ = allocateSet(device, pool_.get(), setLayout_.get());
+  writeSampledImage(device, set_, 0, sampler_.get(), canvas.colourView());
+
+  const VkDescriptorSetLayout setLayout = setLayout_.get();
+  const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
+  layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
+  for (const Format& format : kFormats) {
+    const VkBool32 srgb = format.srgb;
+    const VkSpecializationMapEntry entry{0, 0, sizeof srgb};
+    GraphicsPipelineInfo info;
+    info.vertex = shaders::composite_vert;
+    info.fragment = shaders::composite_frag;
+    info.specialisation = {{&entry, 1}, std::as_bytes(std::span(&srgb, 1))};
+    info.layout = layout_.get();
+    info.colourFormat = format.format;
+    info.name = "composite";
+    pipelines_.push_back(makeGraphicsPipeline(device, info));
+  }
+}
+
+void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& settings,
+                           const Target& target) const noexcept {
+  assert(supports(target.format));
+  transition(commandBuffer, target.image, target.before, use::kColourAttachment);
+  VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  attachment.imageView = target.view;
+  attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  rendering.renderArea = {{0, 0}, target.extent};
+  rendering.layerCount = 1;
+  rendering.colorAttachmentCount = 1;
+  rendering.pColorAttachments = &attachment;
+  vkCmdBeginRendering(commandBuffer, &rendering);
+  const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
+  vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
+  vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
+  vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
+  const Constants constants{settings.background, settings.alpha == AlphaContent::tier};
+  vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
+  vkCmdDraw(commandBuffer, 3, 1, 0, 0);
+  vkCmdEndRendering(commandBuffer);
+  transition(commandBuffer, target.image, use::kColourAttachment, target.after);
+}
+
+}  // namespace ibr

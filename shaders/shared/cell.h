@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// One morphing cell as the cell pass sees it ([T] §2.5.1; ARCHITECTURE §5), for GLSL and C++.
+#ifndef IBR_SHARED_CELL_H
+#define IBR_SHARED_CELL_H
+
+#include "shared/glsl.h"
+
+IBR_SHARED_BEGIN
+
+IBR_CONSTANT int kMaxMembers = 4;
+IBR_CONSTANT int kSetFrame = 0;  // descriptor sets
+IBR_CONSTANT int kSetCell = 1;
+IBR_CONSTANT int kBindingParameters = 0;  // of kSetFrame: CellParameters[]
+IBR_CONSTANT int kBindingNoise = 1;       // of kSetFrame: uint[kNoiseSize²], each rank once
+IBR_CONSTANT int kNoiseSize = 64;
+
+struct CellMember {
+  mat3 toView;      // member's camera axes → virtual camera axes
+  vec2 focal;       // of the photograph, in widths and heights
+  vec2 principal;   // likewise
+  float position;   // λ_i, weight of the vertex position
+  float blend;      // λ̂_i, weight of the colour
+  uint layer;       // of the member's array image
+};
+
+struct CellParameters {
+  CellMember member[kMaxMembers];
+  vec3 shift;        // t = Σ λ_i c_i − p in virtual camera axes
+  float nearDistance;
+  vec4 projection;   // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
+  uint unitRays;     // 1: the paper's morph, a_i = 1 and ρ = 0
+  uint dither;       // 1: one member a pixel, [T] eq. 7
+  float alpha;       // tier code, (255 − 64·tier) / 255
+};
+
+/// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that has
+/// any weight takes what rounding leaves over, so that every pixel gets a member that exists.
+IBR_FUNCTION int ditherMember(vec4 weights, float r) {
+  int chosen = 0;
+  float sum = 0.0f;
+  for (int i = 0; i < kMaxMembers; ++i) {
+    if (weights[i] <= 0.0f) continue;
+    chosen = i;
+    sum += weights[i];
+    if (r < sum) break;
+  }
+  return chosen;
+}
+
+/// Pseudo-random number of a rank: (rank + ½) / count, never 0 or 1.
+IBR_FUNCTION float noiseFromRank(uint rank) { return (float(rank) + 0.5f) / float(kNoiseSize * kNoiseSize); }
+
+IBR_SHARED_END
+
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lets one header serve GLSL and C++. In C++ the declarations live in namespace ibr::shader and use GLM's types; layout
+// is scalar on both sides (GL_EXT_scalar_block_layout), so a struct means the same bytes.
+#ifndef IBR_SHARED_GLSL_H
+#define IBR_SHARED_GLSL_H
+
+#ifdef __cplusplus
+#include <cmath>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+namespace ibr::shader {
+using glm::mat3;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+using uint = std::uint32_t;
+}  // namespace ibr::shader
+#define IBR_SHARED_BEGIN namespace ibr::shader {
+#define IBR_SHARED_END }
+#define IBR_FUNCTION inline
+#define IBR_CONSTANT inline constexpr
+#else
+#define IBR_SHARED_BEGIN
+#define IBR_SHARED_END
+#define IBR_FUNCTION
+#define IBR_CONSTANT const
+#endif
+
+#endif

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Double-precision twin of the cell pass and the composition: what a frame plan should look like, pixel by pixel.
+#pragma once
+
+#include <vector>
+
+#include "ibr/renderer.h"
+
+namespace ibr::reference {
+
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<glm::dvec4> colour;  // RGB display-encoded, 0 to 1, and the canvas's tier code; (0, 0, 0, 0) in holes
+  std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one tier of one cell
+  std::vector<double> range;       // levels by which the texels differ that the colour was made of
+};
+
+/// `textures`: a mip chain a node, as TextureSource gives it.
+Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan);
+
+}  // namespace ibr::reference

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which cells are planned, in which order ([T] §2.5.2); N8.
+#include <fmt/format.h>
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "ibr/error.h"
+#include "ibr/renderer.h"
+#include "render/cell_order.h"
+
+using namespace ibr;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Camera cameraAt(glm::dvec3 position, double yaw = 0) {
+  Camera camera;
+  camera.intrinsics = pinholeFromFov(640, 480, kPi / 3);
+  camera.pose = {position, glm::angleAxis(yaw, glm::dvec3(0, 1, 0))};
+  return camera;
+}
+
+// A mesh of four points in the picture's corners, at distance 1/ρ = 10.
+Cell cellOf(const Scene& scene, std::vector<std::uint32_t> members) {
+  Cell cell;
+  cell.members = std::move(members);
+  MorphMesh& mesh = cell.mesh;
+  for (std::uint32_t m : cell.members) {
+    const Intrinsics& k = scene.nodes[m].camera.intrinsics;
+    mesh.match.push_back({{0, 0}, {k.width, 0}, {0, k.height}, {k.width, k.height}});
+    mesh.ratio.push_back({1, 1, 1, 1});
+  }
+  mesh.inverseDistance.assign(4, 0.1f);
+  mesh.uncertainty.assign(4, 0.0f);
+  mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
+  mesh.tier = {0, 0};
+  mesh.ecc = {1, 1};
+  return cell;
+}
+
+// 3×3 spots a metre apart on the ground, four directions each, and every small square as two triangles per direction.
+Scene stackedGrid() {
+  Scene scene;
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 3; ++x)
+      for (int direction = 0; direction < 4; ++direction) {
+        Node node;
+        node.name = fmt::format("{}{}{}", x, y, direction);
+        node.camera = cameraAt({x, 0, y}, direction * kPi / 2);
+        scene.nodes.push_back(node);
+      }
+  auto node = [](int x, int y, int direction) { return std::uint32_t((y * 3 + x) * 4 + direction); };
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x)
+      for (int k = 0; k < 4; ++k) {
+        // Member order differs from direction to direction, on purpose.
+        std::vector<std::uint32_t> lower{node(x, y, k), node(x + 1, y, k), node(x, y + 1, k)};
+        std::vector<std::uint32_t> upper{node(x + 1, y + 1, k), node(x + 1, y, k), node(x, y + 1, k)};
+        std::rotate(lower.begin(), lower.begin() + k % 3, lower.end());
+        scene.cells.push_back(cellOf(scene, lower));
+        scene.cells.push_back(cellOf(scene, upper));
+      }
+  return scene;
+}
+
+FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings = {}, PlanState state = {}) {
+  settings.maxCells = kLargestCellCount;
+  return planFrame(scene, cellBounds(scene), {view, settings}, state);
+}
+
+}  // namespace
+
+TEST_CASE("the main cell holds the camera and looks its way; the rest follow by distance, then angle") {
+  const Scene scene = stackedGrid();
+  REQUIRE(validate(scene).empty());
+  const FramePlan plan = planOf(scene, cameraAt({0.3, 0, 0.2}, 0.1));
+  REQUIRE(plan.cells.size() > 4);
+  CHECK(plan.cells[0].extrapolationDistance == 0);
+  CHECK(plan.cells[0].rotationalDistance == Approx(0.1));
+  for (std::size_t i = 1; i < plan.cells.size(); ++i) {
+    const PlannedCell &a = plan.cells[i - 1], &b = plan.cells[i];
+    CHECK(b.rank == a.rank + 1);
+    CHECK((a.extrapolationDistance < b.extrapolationDistance ||
+           (a.extrapolationDistance == b.extrapolationDistance && a.rotationalDistance <= b.rotationalDistance)));
+  }
+  for (const PlannedCell& cell : plan.cells) {
+    CHECK(cell.blend[0] + cell.blend[1] + cell.blend[2] + cell.blend[3] == Approx(1).epsilon(1e-15));
+    CHECK(cell.blend[cell.best] >= *std::max_element(cell.blend.begin(), cell.blend.end()));
+  }
+  CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
+}
+
+TEST_CASE("cells behind the view are culled, cells in view never are") {
+  const Scene scene = stackedGrid();
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::size_t culled = 0, kept = 0;
+  for (int repeat = 0; repeat < 100; ++repeat)
+    for (Morph morph : {Morph::ours, Morph::paper}) {
+      const Camera view = cameraAt({1 + 2 * unit(random), unit(random), 1 + 2 * unit(random)}, kPi * unit(random));
+      RenderSettings settings;
+      settings.morph = morph;
+      settings.extrapolationLimit = 1e9;
+      const FramePlan plan = planOf(scene, view, settings);
+      culled += plan.culledByFrustum;
+      for (std::uint32_t c = 0; c < scene.cells.size(); ++c) {
+        const bool planned = std::any_of(plan.cells.begin(), plan.cells.end(), [&](auto& p) { return p.cell == c; });
+        kept += planned;
+        if (planned) continue;
+        // Culled: no vertex of the cell may land inside the picture.
+        const Cell& cell = scene.cells[c];
+        const Barycentric b = cellDistance(scene, cell, 1, view.pose).weights;
+        const Weights& w = morph == Morph::ours ? b.clamped : b.free;
+        for (std::size_t p = 0; p < 4; ++p) {
+          glm::dvec3 direction(0.0), shift = -view.pose.position;
+          for (std::size_t i = 0; i < cell.members.size(); ++i) {
+            const Camera& camera = scene.nodes[cell.members[i]].camera;
+            direction += w[i] * (camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][p]));
+            shift += w[i] * camera.pose.position;
+          }
+          if (morph == Morph::ours) direction += 0.1 * shift;
+          const auto pixel = project(view.intrinsics, glm::conjugate(view.pose.rotation) * direction);
+          CHECK_FALSE((pixel && pixel->x > 0 && pixel->y > 0 && pixel->x < 640 && pixel->y < 480));
+        }
+      }
+    }
+  CHECK(culled > 500);
+  CHECK(kept > 500);
+}
+
+TEST_CASE("the extrapolation limit is in cell sizes") {
+  const Scene scene = stackedGrid();
+  RenderSettings settings;
+  settings.extrapolationLimit = 0.5;  // of √2 m
+  const FramePlan near = planOf(scene, cameraAt({1, 0, 2.6}, 0), settings);
+  CHECK_FALSE(near.cells.empty());
+  for (const PlannedCell& cell : near.cells) CHECK(cell.extrapolationDistance <= 0.5 * std::sqrt(2.0));
+  CHECK(planOf(scene, cameraAt({1, 0, 2.8}, 0), settings).cells.empty());
+}
+
+TEST_CASE("the order of cells, members and nodes in the scene changes nothing") {
+  const Scene scene = stackedGrid();
+  Scene shuffled = scene;
+  std::mt19937_64 random(4);
+  std::vector<std::uint32_t> order(scene.cells.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::shuffle(order.begin(), order.end(), random);
+  for (std::size_t i = 0; i < order.size(); ++i) shuffled.cells[i] = scene.cells[order[i]];
+  // On a vertex shared by many cells, equally far from all directions: every key ties.
+  for (const Camera& view :
+       {cameraAt({1, 0, 1}, kPi / 4), cameraAt({0.3, 0.1, 0.2}, 0.1), cameraAt({1.5, 0, 1.5}, 0)}) {
+    const FramePlan a = planOf(scene, view), b = planOf(shuffled, view);
+    REQUIRE(a.cells.size() == b.cells.size());
+    for (std::size_t i = 0; i < a.cells.size(); ++i) {
+      CHECK(a.cells[i].cell == order[b.cells[i].cell]);
+      CHECK(a.cells[i].blend == b.cells[i].blend);
+    }
+  }
+}
+
+TEST_CASE("moving the world changes no plan") {
+  const Scene scene = stackedGrid();
+  const glm::dvec3 offset(1e7, -3e6, 2e5);
+  const glm::dquat turn = glm::angleAxis(1.234, glm::normalize(glm::dvec3(1, 2, 3)));
+  Scene moved = scene;
+  auto move = [&](Camera camera) {
+    camera.pose = {offset + turn * camera.pose.position, turn * camera.pose.rotation};
+    return camera;
+  };
+  for (Node& node : moved.nodes) node.camera = move(node.camera);
+  const Camera view = cameraAt({0.37, 0.05, 0.21}, 0.1);
+  const FramePlan a = planOf(scene, view), b = planOf(moved, move(view));
+  REQUIRE(a.cells.size() == b.cells.size());
+  for (std::size_t i = 0; i < a.cells.size(); ++i) {
+    CHECK(a.cells[i].extrapolationDistance == Approx(b.cells[i].extrapolationDistance).margin(1e-8));
+    for (std::size_t m = 0; m < 4; ++m) CHECK(a.cells[i].blend[m] == Approx(b.cells[i].blend[m]).margin(1e-7));
+  }
+  CHECK(a.cells[0].cell == b.cells[0].cell);
+}
+
+TEST_CASE("a camera that trembles on a border keeps its main cell (N8)") {
+  const Scene scene = stackedGrid();
+  const std::vector<CellBounds> bounds = cellBounds(scene);
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> jitter(-1e-9, 1e-9);
+  PlanState state;
+  int switches = 0;
+  auto step = [&](const Camera& view) {
+    const FramePlan plan = planFrame(scene, bounds, {view, {}}, state);
+    switches += state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
+    state = plan.next;
+  };
+  SECTION("along the shared face of two triangles") {
+    for (int i = 0; i < 10000; ++i)
+      step(cameraAt(
+          {0.1 + 0.8 * i / 10000.0 + jitter(random), jitter(random), 0.9 - 0.8 * i / 10000.0 + jitter(random)}));
+    CHECK(switches == 0);
+  }
+  SECTION("across it, once") {
+    for (int i = 0; i < 10000; ++i)
+      step(cameraAt({0.2 + 0.5 * i / 10000.0, 0, 0.2 + 0.5 * i / 10000.0 + jitter(random)}));
+    CHECK(switches == 1);
+  }
+  SECTION("looking along equal angular distances") {
+    for (int i = 0; i < 10000; ++i) step(cameraAt({0.2, 0, 0.2}, kPi / 4 + jitter(random)));
+    CHECK(switches == 0);
+  }
+  SECTION("turning through equal angular distances") {
+    for (int i = 0; i < 10000; ++i) step(cameraAt({0.2, 0, 0.2}, 2 * kPi * i / 10000.0));
+    CHECK(switches == 4);
+  }
+}
+
+TEST_CASE("views that cannot be rendered are refused") {
+  const Scene scene = stackedGrid();
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  auto refused = [&](auto change) {
+    Camera view = cameraAt({0, 0, 0});
+    change(view);
+    CHECK_THROWS_AS(planOf(scene, view), Error);
+  };
+  refused([](Camera& v) { v.intrinsics.model = CameraModel::equirectangular; });
+  refused([](Camera& v) { v.intrinsics.width = 0; });
+  refused([](Camera& v) { v.intrinsics.fx = 0; });
+  refused([&](Camera& v) { v.intrinsics.fy = infinity; });
+  refused([&](Camera& v) { v.intrinsics.cx = nan; });
+  refused([&](Camera& v) { v.pose.position.y = nan; });
+  refused([](Camera& v) { v.pose.rotation *= 2.0; });
+  refused([&](Camera& v) { v.pose.rotation.x = nan; });
+  CHECK(planOf(Scene{}, cameraAt({0, 0, 0})).cells.empty());
+}
