@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places from which several photographs were taken ([T] §2.4.2, ordered acquisition: the camera is turned on the spot).
+//
+//   single linkage: sort the edges of the minimum spanning tree of the positions; where the length jumps by more than
+//   kGap from one edge to the next, cut. Largest jump first, until the spots that it gives look like spots:
+//   small beside the distances between them, hardly one with a single photograph, and the photographs of a spot
+//   look in different directions (else it is a cluster that was photographed densely) unless they are at one point.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ibr/camera.h"
+
+namespace ibr {
+
+/// The spot of each camera, numbered in order of their first camera. Every camera is its own spot where no jump fits.
+std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras);
+
+}  // namespace ibr
