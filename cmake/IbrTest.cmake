@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# ibr_test(name SOURCES … LIBRARIES … [LABELS …]): one Catch2 executable, registered with CTest.
+# ibr_test(name [GPU] SOURCES … LIBRARIES … [LABELS …]): one Catch2 executable, registered with CTest.
 # Exit code 77 means "skipped" (no device, no datasets). Where IBR_REQUIRE_DEVICE is set (as in CI) a missing
 # device is a failure; IBR_DATASETS names the folder of datasets for tests labelled `data`.
+# GPU: the program makes a device with validation first (tests/support/gpu.h); any message fails the test case.
 find_package(Catch2 2.13 REQUIRED)
 
 add_library(ibr_test_support STATIC ${PROJECT_SOURCE_DIR}/tests/support/main.cpp)
@@ -9,10 +10,18 @@ target_include_directories(ibr_test_support PUBLIC ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(ibr_test_support PUBLIC Catch2::Catch2 ${CMAKE_DL_LIBS})
 ibr_warnings(ibr_test_support)
 
+if(TARGET ibr_gpu)
+  add_library(ibr_test_gpu_support STATIC ${PROJECT_SOURCE_DIR}/tests/support/gpu.cpp
+                                          ${PROJECT_SOURCE_DIR}/tests/support/gpu_main.cpp)
+  target_include_directories(ibr_test_gpu_support PUBLIC ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(ibr_test_gpu_support PUBLIC Catch2::Catch2 ibr_gpu ${CMAKE_DL_LIBS})
+  ibr_warnings(ibr_test_gpu_support)
+endif()
+
 function(ibr_test name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS" ${ARGN})
+  cmake_parse_arguments(arg "GPU" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE ibr_test_support ${arg_LIBRARIES})
+  target_link_libraries(${name} PRIVATE $<IF:$<BOOL:${arg_GPU}>,ibr_test_gpu_support,ibr_test_support> ${arg_LIBRARIES})
   ibr_warnings(${name})
   add_test(NAME ${name} COMMAND ${name} ${arg_ARGUMENTS})
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
