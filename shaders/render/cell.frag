@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colours of a cell's members at a fragment, blended ([T] eq. 6) or dithered (eq. 7).
 //
-// The texture coordinate of member i is the projection of the interpolated q_i by its camera model: q_i shares the
-// vertex's scale with its position, so the coordinate is projectively exact inside a triangle.
+// Texture coordinates come from interpolated values alone: a buffer read gives 0 in the helper pixels of some devices
+// (lavapipe), and gradients would be wrong along every edge.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/cell.h"
 
 layout(constant_id = 0) const int kMembers = 4;
 
-layout(location = 0) in vec3 inPoint[kMaxMembers];
+layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
@@ -36,8 +36,7 @@ void main() {
   vec2 at[kMaxMembers], dx[kMaxMembers], dy[kMaxMembers];
   vec4 weights = vec4(0.0);
   for (int i = 0; i < kMembers; ++i) {
-    const vec3 q = inPoint[i];
-    at[i] = cells[inCell].member[i].principal + cells[inCell].member[i].focal * vec2(q.x, -q.y) / -q.z;
+    at[i] = inTexture[i].xy / inTexture[i].z;
     dx[i] = dFdx(at[i]);
     dy[i] = dFdy(at[i]);
     weights[i] = cells[inCell].member[i].blend;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Morphs a vertex ([T] §2.5.1 eq. 4; ARCHITECTURE §5 "The morph, one formula"):
 //   D = Σ λ_i R_i q_i + ρ t,  q_i = a_i r_i,  t = Σ λ_i c_i − p
+// The member's camera projects q_i to a homogeneous texture coordinate. It shares the vertex's scale with (D, ρ), so that
+// it is projectively exact inside a triangle.
 // (D, ρ) is the vertex in homogeneous coordinates of the virtual camera, so ρ = 0 is infinity.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -14,7 +16,7 @@ layout(location = 4) in float inInverseDistance;    // ρ
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
 
-layout(location = 0) out vec3 outPoint[kMaxMembers];
+layout(location = 0) out vec3 outTexture[kMaxMembers];  // homogeneous texture coordinate in member i
 layout(location = 4) flat out uint outCell;
 
 void main() {
@@ -25,9 +27,10 @@ void main() {
   for (int i = 0; i < kMembers; ++i) {
     const vec3 point = unitRays ? normalize(inPoint[i]) : inPoint[i];
     direction += cells[cell].member[i].position * (cells[cell].member[i].toView * point);
-    outPoint[i] = point;
+    const vec2 focal = cells[cell].member[i].focal, principal = cells[cell].member[i].principal;
+    outTexture[i] = vec3(focal.x * point.x - principal.x * point.z, -focal.y * point.y - principal.y * point.z, -point.z);
   }
-  for (int i = kMembers; i < kMaxMembers; ++i) outPoint[i] = vec3(0.0);
+  for (int i = kMembers; i < kMaxMembers; ++i) outTexture[i] = vec3(0.0);
   outCell = cell;
   const vec4 projection = cells[cell].projection;
   gl_Position = vec4(projection.x * direction.x - projection.y * direction.z,

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The GPU's picture against the double-precision twin.
+#include "reference/cell_pass_reference.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+
+#include "reference/stage.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// Tolerance as derived from the device's texture filter: NUMERICS §6 b.
+void compareWithTwin(const Stage& stage, const FramePlan& plan) {
+  const Image8 picture = stage.render(plan);
+  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+  VkPhysicalDeviceProperties properties;
+  vkGetPhysicalDeviceProperties(testDevice().physicalDevice(), &properties);
+  const double step = std::exp2(-double(properties.limits.subTexelPrecisionBits));
+  std::size_t compared = 0, wrongColour = 0, wrongTier = 0, drawn = 0;
+  for (int y = 0; y < twin.height; ++y)
+    for (int x = 0; x < twin.width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
+      if (!twin.safe[at]) continue;
+      ++compared;
+      const auto pixel = picture.pixel(x, y);
+      drawn += pixel[3] != 0;
+      wrongTier += pixel[3] != std::lround(twin.colour[at].a * 255);
+      const double tolerance = 1 + std::ceil(2 * step * twin.range[at]);
+      for (int c = 0; c < 3; ++c) wrongColour += std::abs(pixel[c] - twin.colour[at][c] * 255) > tolerance;
+    }
+  CHECK(compared > std::size_t(twin.width) * std::size_t(twin.height) / 2);
+  CHECK(drawn > compared / 4);
+  CHECK(wrongColour == 0);
+  CHECK(wrongTier == 0);
+}
+
+}  // namespace
+
+TEST_CASE("the cell pass shows what its twin computes") {
+  for (std::size_t members : {2u, 3u, 4u}) {
+    const Stage stage(testDevice(), makeScene(place(members)));
+    for (BlendMode blend : {BlendMode::blend, BlendMode::dither})
+      for (Morph morph : {Morph::ours, Morph::paper}) {
+        RenderSettings settings = withTiers();
+        settings.blend = blend;
+        settings.morph = morph;
+        INFO(members << " members, blend " << int(blend) << ", morph " << int(morph));
+        compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03), settings));  // inside
+        compareWithTwin(stage, stage.plan(cameraAt({1.3, -0.4, 0.5}, 0.1), settings));   // outside
+      }
+  }
+}
+
+TEST_CASE("views with odd sizes, wide angles and off-centre principal points") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  Camera view = cameraAt({0.4, 0.3, 0}, 0, 0, 333, 201, 1.9);
+  compareWithTwin(stage, stage.plan(view, withTiers()));
+  view.intrinsics.cx = 40;
+  view.intrinsics.cy = 170;
+  compareWithTwin(stage, stage.plan(view, withTiers()));
+}
+
+TEST_CASE("several cells and both tiers: rank decides between cells, depth inside one") {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
+  SyntheticScene place = makeScene(options);
+  for (Cell& cell : place.scene.cells) {
+    // The last third is what a filter would have rejected.
+    MorphMesh& mesh = cell.mesh;
+    for (std::size_t t = mesh.triangles.size() * 2 / 3; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
+  }
+  const Stage stage(testDevice(), place);
+  const Camera view = cameraAt({0.45, 0.3, 0.2}, 0.02);
+  REQUIRE(stage.plan(view).cells.size() == 3);
+  for (int lowestTier : {0, 1}) {
+    RenderSettings settings = withTiers();
+    settings.lowestTier = lowestTier;
+    compareWithTwin(stage, stage.plan(view, settings));
+  }
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// A generated place, on the test device and as data, that pictures can be taken of.
+#pragma once
+
+#include <numbers>
+#include <utility>
+
+#include "ibr/offscreen.h"
+#include "ibr/renderer.h"
+#include "image/mips.h"
+#include "scene/synthetic.h"
+
+namespace ibr::test {
+
+inline Camera cameraAt(glm::dvec3 position, double yaw = 0, double pitch = 0, int width = 320, int height = 240,
+                       double fovY = std::numbers::pi / 3) {
+  Camera camera;
+  camera.intrinsics = pinholeFromFov(width, height, fovY);
+  camera.pose = {position, glm::angleAxis(yaw, glm::dvec3(0, 1, 0)) * glm::angleAxis(pitch, glm::dvec3(1, 0, 0))};
+  return camera;
+}
+
+/// A wall 8 m ahead and a board half as far, seen by d cameras a metre apart, of different sizes and orientations: the
+/// second is upright (portrait, rolled), the third larger and turned, the fourth has an off-centre principal point.
+inline SyntheticOptions place(std::size_t members) {
+  SyntheticOptions options;
+  options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}, 0.05, 0, 240, 360, 1.4),
+                     cameraAt({0.4, 0.9, 0.1}, -0.05, -0.05, 400, 300), cameraAt({0.5, 0.3, 0.8})};
+  options.cameras[1].pose.rotation *= glm::angleAxis(0.3, glm::dvec3(0, 0, 1));
+  options.cameras[3].intrinsics.cx += 13.3;
+  options.cameras[3].intrinsics.cy -= 7.7;
+  options.cameras.resize(members);
+  options.planes = {{{0, 0, -8}, {1, 0, 0}, {0, 1, 0}, 40, 30, 1, 0.5},
+                    {{0.3, 0.2, -4}, {1, 0, 0}, {0, 1, 0}, 1.6, 1.2, 2, 0.25}};
+  options.gridStep = 16;
+  return options;
+}
+
+/// A scene on a device.
+class Stage {
+ public:
+  Stage(Device& device, SyntheticScene place)
+      : place_(std::move(place)),
+        textures_(mipsOf(place_)),
+        bounds_(cellBounds(place_.scene)),
+        gpuScene_(device, place_.scene, [&](const Scene&, std::size_t node) { return textures_[node]; }),
+        device_(&device) {}
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  const Scene& scene() const { return place_.scene; }
+  const SyntheticScene& place() const { return place_; }
+  const std::vector<std::vector<Image8>>& textures() const { return textures_; }
+
+  FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
+    return planFrame(place_.scene, bounds_, {view, settings});
+  }
+  /// RGBA; the caller chooses what alpha means.
+  Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+    const VkExtent2D extent{std::uint32_t(plan.view.intrinsics.width), std::uint32_t(plan.view.intrinsics.height)};
+    const Renderer renderer(*device_, gpuScene_, extent);
+    Offscreen offscreen(*device_, extent, format);
+    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  }
+  Image8 render(const Camera& view, const RenderSettings& settings = {}) const { return render(plan(view, settings)); }
+
+ private:
+  static std::vector<std::vector<Image8>> mipsOf(const SyntheticScene& place) {
+    std::vector<std::vector<Image8>> all;
+    for (const Image8& photograph : place.photographs) all.push_back(buildMips(photograph));
+    return all;
+  }
+
+  SyntheticScene place_;
+  std::vector<std::vector<Image8>> textures_;
+  std::vector<CellBounds> bounds_;
+  GpuScene gpuScene_;
+  Device* device_;
+};
+
+/// Settings under which alpha tells what was drawn.
+inline RenderSettings withTiers() {
+  RenderSettings settings;
+  settings.alpha = AlphaContent::tier;
+  return settings;
+}
+
+}  // namespace ibr::test
