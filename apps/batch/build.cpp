@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/command.h"
+#include "batch/options.h"
+#include "batch/poses.h"
+#include "batch/progress.h"
+#include "batch/table.h"
+#include "ibr/author.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  BuildOptions build;
+  std::string photographs, model, output, excludeFrom;
+};
+
+// Models are usually kept beside the photographs, or in the folder that holds their folder.
+fs::path findModel(const fs::path& photographs, const Context& context) {
+  const fs::path parent = fs::weakly_canonical(photographs).parent_path();
+  for (const fs::path& candidate :
+       {photographs / "sparse", photographs / "sparse" / "0", parent / "sparse", parent / "sparse" / "0", photographs})
+    if (holdsColmapModel(candidate)) {
+      context.say(LogLevel::info, "poses from {}", candidate.string());
+      return candidate;
+    }
+  fail(ErrorCode::io,
+       "{}: no poses found. Give the folder of a COLMAP model (cameras.txt or .bin) with --model; without it, sparse "
+       "and "
+       "sparse/0 are looked for in this folder and beside it",
+       photographs.string());
+}
+
+std::vector<std::string> namesIn(const fs::path& file) {
+  std::vector<std::string> names;
+  std::string line;
+  for (const char c : readTextFile(file) + '\n') {
+    if (c != '\n') {
+      line += c;
+      continue;
+    }
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (!line.empty()) names.push_back(line);
+    line.clear();
+  }
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+  return text;
+}
+
+using StageSeconds = std::vector<std::pair<std::string, double>>;
+
+void printReport(const BuildReport& report, const StageSeconds& stages, const Options& options,
+                 const Context& context) {
+  Table cells;
+  cells.row({"cell", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "s"});
+  std::size_t points = 0, triangles = 0, resumed = 0;
+  for (const auto& cell : report.cells) {
+    cells.row({joined(cell.members), fmt::format("{}", cell.points), fmt::format("{}", cell.triangles),
+               fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
+               numberText(cell.quality.residualPx, 2), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
+    points += cell.points;
+    triangles += cell.triangles;
+    resumed += cell.resumed;
+  }
+  context.print("{}\n", cells.text());
+  if (report.dropped.empty()) {
+    context.print("nothing was dropped\n");
+  } else {
+    Table dropped;
+    dropped.row({"dropped", "why"});
+    for (const auto& [what, reason] : report.dropped) dropped.row({what, reason});
+    context.print("{}\n", dropped.text());
+  }
+  for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
+  context.print("{:>9.1f} s  in all\n\n", report.seconds);
+  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} dropped\n", options.output,
+                report.cells.size(), resumed, points, triangles, report.dropped.size());
+}
+
+std::string reportJson(const BuildReport& report, const StageSeconds& stages, const Options& options) {
+  Json json{{"scene", options.output},  {"photographs", options.photographs}, {"model", options.build.model.string()},
+            {"cells", Json::array()},   {"dropped", Json::array()},           {"stages", Json::array()},
+            {"seconds", report.seconds}};
+  for (const auto& cell : report.cells)
+    json["cells"].push_back({{"members", cell.members},
+                             {"points", cell.points},
+                             {"triangles", cell.triangles},
+                             {"tier0", cell.tier0},
+                             {"coverage", cell.quality.coverage},
+                             {"ecc", cell.quality.ecc},
+                             {"residualPx", cell.quality.residualPx},
+                             {"seconds", cell.seconds},
+                             {"resumed", cell.resumed}});
+  for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
+  for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+ExitCode buildScene(Options options, const Context& context) {
+  BuildOptions& build = options.build;
+  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder of photographs",
+        options.photographs);
+  build.photographs = options.photographs;
+  build.output = options.output;
+  build.model = options.model.empty() ? findModel(build.photographs, context) : fs::path(options.model);
+  build.seed = context.options().seed;
+  build.threads = context.options().threads;
+  if (!options.excludeFrom.empty())
+    for (std::string& name : namesIn(options.excludeFrom)) build.exclude.push_back(std::move(name));
+
+  BuildReport report;
+  StageSeconds stages;
+  {
+    ProgressLine progress(context);
+    report = ibr::build(build, progress.callback(), context.log());
+    stages = progress.stageSeconds();
+  }
+  printReport(report, stages, options, context);
+  context.report(reportJson(report, stages, options));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kBuildCommand{
+    .name = "build",
+    .summary = "Makes a scene from photographs and their poses",
+    .examples =
+        "ibr build photographs -o scene\n"
+        "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
+        "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
+    .details =
+        "PHOTOS are undistorted photographs; their poses are a COLMAP model (text or binary). The same input, options "
+        "and "
+        "seed give the same scene. A build that was stopped goes on where it was.",
+    .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
+      app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
+          ->required()
+          ->type_name("SCENE");
+      app.add_option(
+             "--model", options->model,
+             "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
+          ->type_name("DIR");
+      app.add_option("--exclude", options->build.exclude, "Photographs to leave out, by their names in the model")
+          ->type_name("NAME...");
+      app.add_option("--exclude-from", options->excludeFrom, "The same, from a file with a name a line")
+          ->type_name("FILE");
+      addInt(app, "--max-size", options->build.maxSize, 0, 65536,
+             "Longest side of stored photographs; 0 = as they are");
+      addChoice<int>(app, "--dimension", options->build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
+                     "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
+      return [options](const Context& context) { return buildScene(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sub-command of `ibr`: its words, its options and what it does.
+#pragma once
+
+#include <functional>
+
+#include "batch/context.h"
+
+namespace CLI {
+class App;
+}
+
+namespace ibr::app {
+
+/// Exit codes (ARCHITECTURE §7). 130 is what shells expect of a program that Ctrl-C stopped.
+enum ExitCode : int {
+  kExitOk = 0,
+  kExitCommandLine = 1,
+  kExitIo = 2,
+  kExitInvalidInput = 3,
+  kExitRunTime = 4,
+  kExitUnsupported = 5,
+  kExitComparison = 6,
+  kExitInterrupted = 130,
+};
+
+struct Command {
+  const char* name;
+  const char* summary;   // one line
+  const char* examples;  // a command a line
+  const char* details;   // paragraphs for --help; may be empty
+  const char* afterInterrupt;
+  /// Declares options and gives what runs after they were parsed. Throws Error.
+  std::function<ExitCode(const Context&)> (*declare)(CLI::App&);
+};
+
+extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
+    kDeviceCommand;
+
+}  // namespace ibr::app

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/check.h"
+#include "batch/command.h"
+#include "batch/table.h"
+#include "ibr/renderer.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene;
+  bool explain = false;
+};
+
+using Memory = GpuScene::Memory;
+
+std::uint64_t sum(const Memory& memory) {
+  return memory.positions + memory.indices + memory.textures;
+}
+
+// The renderer's layout without its alignment: 3d + 1 floats a vertex, three 32-bit indices a triangle, RGBA8 with
+// mips.
+Memory predictedMemory(const Scene& scene) {
+  Memory memory;
+  for (const Cell& cell : scene.cells) {
+    memory.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
+    memory.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
+  }
+  for (const Node& node : scene.nodes)
+    for (auto w = std::uint64_t(node.camera.intrinsics.width), h = std::uint64_t(node.camera.intrinsics.height);;
+         w = std::max<std::uint64_t>(1, w / 2), h = std::max<std::uint64_t>(1, h / 2)) {
+      memory.textures += 4 * w * h;
+      if (w == 1 && h == 1) break;
+    }
+  return memory;
+}
+
+// By loading it. Not tried where the prediction says that the device could not hold it: a software device would take
+// the machine's memory instead.
+std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted, const Context& context) {
+  try {
+    Device device = Device::create({.device = context.options().device, .log = context.log()});
+    std::uint64_t largestHeap = 0;
+    const VkPhysicalDeviceMemoryProperties& properties = device.memoryProperties();
+    for (std::uint32_t i = 0; i < properties.memoryHeapCount; ++i)
+      largestHeap = std::max<std::uint64_t>(largestHeap, properties.memoryHeaps[i].size);
+    if (predicted <= largestHeap) return GpuScene(device, scene).memory();
+    context.say(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
+                bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
+  } catch (const Error& e) {
+    context.say(LogLevel::info, "memory was not measured: {}", e.what());
+  }
+  return std::nullopt;
+}
+
+struct Summary {
+  std::array<std::size_t, 5> cellsByMembers{};
+  std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
+  std::map<std::pair<int, int>, std::size_t> sizes;
+};
+
+Summary summarise(const Scene& scene) {
+  Summary summary;
+  for (const Cell& cell : scene.cells) {
+    ++summary.cellsByMembers[std::min<std::size_t>(cell.members.size(), 4)];
+    summary.points += cell.mesh.pointCount();
+    summary.pointsAtInfinity += std::size_t(std::ranges::count(cell.mesh.inverseDistance, 0.0f));
+    summary.triangles += cell.mesh.triangles.size();
+    summary.tier0 += cell.mesh.tier0Count();
+  }
+  for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
+  return summary;
+}
+
+std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
+  std::vector<std::string> names;
+  for (const std::uint32_t member : cell.members) names.push_back(scene.nodes[member].name);
+  return names;
+}
+
+struct Stage {
+  std::string name;
+  bool runs;
+  std::string why;
+};
+
+// What the renderer does for this scene, and what it has no need for.
+std::vector<Stage> stagesOf(const Summary& summary) {
+  std::vector<Stage> stages;
+  const char* const kinds[] = {"", "", "lines", "triangles", "tetrahedra"};
+  for (std::size_t d = 2; d <= 4; ++d)
+    stages.push_back({fmt::format("cells of {} photographs", d), summary.cellsByMembers[d] > 0,
+                      fmt::format("{} cells are {}", summary.cellsByMembers[d], kinds[d])});
+  stages.push_back({"tier 0, blended", summary.tier0 > 0,
+                    fmt::format("{} triangles agree in all their photographs", summary.tier0)});
+  stages.push_back({"tier 1, from one photograph", summary.triangles > summary.tier0,
+                    fmt::format("{} triangles were rejected by a filter", summary.triangles - summary.tier0)});
+  stages.push_back({"texture pages", !summary.sizes.empty(),
+                    fmt::format("{} different sizes of photographs", summary.sizes.size())});
+  return stages;
+}
+
+ExitCode showScene(const Options& options, const Context& context) {
+  const Scene scene = loadScene(options.scene);
+  const Summary summary = summarise(scene);
+  const Memory predicted = predictedMemory(scene);
+  const std::optional<Memory> measured = measuredMemory(scene, sum(predicted), context);
+
+  Json report{{"scene", options.scene},
+              {"acquisition", scene.acquisition},
+              {"photographs", scene.nodes.size()},
+              {"points", summary.points},
+              {"pointsAtInfinity", summary.pointsAtInfinity},
+              {"triangles", summary.triangles},
+              {"tier0", summary.tier0},
+              {"cells", Json::array()}};
+  Table cells;
+  cells.row({"cell", "photographs", "points", "triangles", "tier 0", "coverage", "ECC", "residual px"});
+  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
+    const Cell& cell = scene.cells[i];
+    const auto names = memberNames(scene, cell);
+    std::string joined;
+    for (const std::string& name : names) joined += (joined.empty() ? "" : " ") + name;
+    cells.row({fmt::format("{}", i), joined, fmt::format("{}", cell.mesh.pointCount()),
+               fmt::format("{}", cell.mesh.triangles.size()), fmt::format("{}", cell.mesh.tier0Count()),
+               numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
+               numberText(cell.quality.residualPx, 2)});
+    report["cells"].push_back({{"members", names},
+                               {"points", cell.mesh.pointCount()},
+                               {"triangles", cell.mesh.triangles.size()},
+                               {"tier0", cell.mesh.tier0Count()},
+                               {"coverage", cell.quality.coverage},
+                               {"ecc", cell.quality.ecc},
+                               {"residualPx", cell.quality.residualPx}});
+  }
+  context.print("{}\n", cells.text());
+
+  context.print("photographs  {}", scene.nodes.size());
+  for (const auto& [size, count] : summary.sizes) context.print(", {} of {}×{}", count, size.first, size.second);
+  context.print("\ncells        {}: {} lines, {} triangles, {} tetrahedra\n", scene.cells.size(),
+                summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
+  context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
+  context.print("triangles    {}, {} of them tier 0\n", summary.triangles, summary.tier0);
+
+  const auto memoryJson = [](const Memory& memory) {
+    return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};
+  };
+  const auto memoryLine = [&](const char* label, const Memory& memory) {
+    context.print("{}{}: {} photographs, {} vertices, {} indices\n", label, bytesText(double(sum(memory))),
+                  bytesText(double(memory.textures)), bytesText(double(memory.positions)),
+                  bytesText(double(memory.indices)));
+  };
+  memoryLine("memory       predicted ", predicted);
+  if (measured) memoryLine("             measured  ", *measured);
+  report["memory"] = {{"predicted", memoryJson(predicted)}, {"measured", nullptr}};
+  if (measured) report["memory"]["measured"] = memoryJson(*measured);
+
+  if (options.explain) {
+    report["stages"] = Json::array();
+    context.print("\nstages that this scene needs\n");
+    for (const Stage& stage : stagesOf(summary)) {
+      context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
+      report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
+    }
+  }
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kInfoCommand{.name = "info",
+                           .summary = "Shows what a scene holds, how good it is and what memory it takes",
+                           .examples = "ibr info scene\nibr info scene --explain",
+                           .details = "",
+                           .afterInterrupt = "",
+                           .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+                             const auto options = std::make_shared<Options>();
+                             app.add_option("SCENE", options->scene, "Scene folder, or its scene.gltf")->required();
+                             app.add_flag("--explain", options->explain,
+                                          "Also say which stages of the renderer this scene needs, and why");
+                             return [options](const Context& context) { return showScene(*options, context); };
+                           }};
+
+}  // namespace ibr::app

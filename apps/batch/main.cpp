@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `ibr`: a table of commands, and the one place where errors become exit codes.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <vector>
+
+#include "batch/command.h"
+#include "batch/options.h"
+#include "batch/signals.h"
+#include "ibr/error.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand,
+                               &kEvalCommand,  &kCompareCommand, &kDeviceCommand};
+
+ExitCode exitCodeOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::io:
+      return kExitIo;
+    case ErrorCode::invalidInput:
+      return kExitInvalidInput;
+    case ErrorCode::unsupported:
+      return kExitUnsupported;
+    case ErrorCode::cancelled:
+      return kExitInterrupted;
+    case ErrorCode::outOfMemory:
+    case ErrorCode::deviceLost:
+    case ErrorCode::vulkan:
+      return kExitRunTime;
+  }
+  return kExitRunTime;
+}
+
+// Examples come first: most readers want one of them.
+std::string helpText(const Command& command) {
+  std::string text = "Examples:\n  ";
+  for (const char c : std::string_view(command.examples)) text += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  text += fmt::format("\n\n{}.", command.summary);
+  if (*command.details) text += fmt::format("\n\n{}", command.details);
+  return text;
+}
+
+void declareCommon(CLI::App& app, CommonOptions& options) {
+  app.add_option("--json", options.json, "Write the report as JSON to FILE, or - for stdout")->type_name("FILE");
+  app.add_option("--device", options.device, "Vulkan device: its number or a part of its name (ibr device lists them)")
+      ->type_name("NAME");
+  app.add_option_function<std::string>(
+         "--seed",
+         [&options](const std::string& text) { options.seed = std::uint64_t(parsedInt("--seed", text, 0, INT64_MAX)); },
+         "Seed of everything that is drawn at random [1]")
+      ->type_name("N");
+  addInt(app, "--threads", options.threads, 0, 1024, "Threads of the processor; 0 = all of them");
+  app.add_flag("-q,--quiet", options.quiet, "No progress and no messages, only warnings and errors");
+  app.add_flag("-v,--verbose", options.verbose, "More messages");
+}
+
+ExitCode complain(std::string_view what, ExitCode code) {
+  std::fputs(fmt::format("ibr: {}{}\n", levelName(LogLevel::error), what).c_str(), stderr);
+  return code;
+}
+
+struct Declared {
+  const Command* command;
+  CLI::App* app;
+  std::function<ExitCode(const Context&)> action;
+};
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app(
+      "Examples:\n"
+      "  ibr build photographs -o scene\n"
+      "  ibr render scene --path auto:90 -o pictures\n"
+      "  ibr eval scene --truth held-out\n\n"
+      "ibr makes new views from photographs whose poses are known.",
+      "ibr");
+  app.set_version_flag("--version", "ibr " IBR_VERSION);
+  app.require_subcommand(1);
+  CommonOptions common;
+  std::vector<Declared> all;
+  for (const Command* command : kCommands) {
+    CLI::App* sub = app.add_subcommand(command->name, command->summary);
+    sub->set_version_flag("--version", "ibr " IBR_VERSION);
+    all.push_back({command, sub, command->declare(*sub)});
+    declareCommon(*sub, common);
+  }
+  const auto chosen = [&]() -> const Declared* {
+    const auto found = std::ranges::find_if(all, [](const Declared& d) { return d.app->parsed(); });
+    return found == all.end() ? nullptr : &*found;
+  };
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    const Declared* sub = chosen();
+    if (sub) sub->app->description(helpText(*sub->command));
+    std::fputs((sub ? sub->app->help("ibr") : app.help()).c_str(), stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::CallForVersion& e) {
+    std::fputs((std::string(e.what()) + '\n').c_str(), stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    const Declared* sub = chosen();
+    const std::string name = sub ? std::string("ibr ") + sub->command->name : "ibr";
+    return complain(fmt::format("{}\nibr: {} --help shows what there is", e.what(), name), kExitCommandLine);
+  }
+
+  const Context context(common);
+  watchForInterrupt();
+  try {
+    const ExitCode code = chosen()->action(context);
+    flushResults();
+    return code;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::cancelled) throw;
+    context.say(LogLevel::warning, "stopped. {}", chosen()->command->afterInterrupt);
+    return kExitInterrupted;
+  }
+}
+
+}  // namespace
+}  // namespace ibr::app
+
+int main(int argc, char** argv) {
+  using namespace ibr::app;
+  try {
+    return run(argc, argv);
+  } catch (const ibr::Error& e) {
+    return complain(e.what(), exitCodeOf(e.code()));
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", kExitRunTime);
+  } catch (const std::filesystem::filesystem_error& e) {
+    return complain(e.what(), kExitIo);
+  } catch (const std::exception& e) {
+    return complain(e.what(), kExitRunTime);
+  }
+}

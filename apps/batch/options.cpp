@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/options.h"
+
+#include <fmt/format.h>
+
+namespace ibr::app {
+
+std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high) {
+  const auto value = parseInt(text);
+  if (!value || *value < low || *value > high)
+    throw CLI::ValidationError(option, fmt::format("'{}' is not a whole number from {} to {}", text, low, high));
+  return *value;
+}
+
+double parsedDouble(const std::string& option, const std::string& text, double low, double high) {
+  const auto value = parseDouble(text);
+  if (!value || *value < low || *value > high)
+    throw CLI::ValidationError(option, fmt::format("'{}' is not a number from {} to {}", text, low, high));
+  return *value;
+}
+
+CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,
+                    const std::string& description) {
+  return app
+      .add_option_function<std::string>(
+          name, [name, &value, low, high](const std::string& text) { value = int(parsedInt(name, text, low, high)); },
+          fmt::format("{} [{}]", description, value))
+      ->type_name("N");
+}
+
+CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, double low, double high,
+                       const std::string& description) {
+  return app
+      .add_option_function<std::string>(
+          name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+          fmt::format("{} [{}]", description, value))
+      ->type_name("X");
+}
+
+CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, const std::string& description) {
+  return app
+      .add_option_function<std::string>(
+          name,
+          [name, &size](const std::string& text) {
+            const auto cross = text.find('x');
+            if (cross == std::string::npos)
+              throw CLI::ValidationError(name, fmt::format("'{}' is not a size such as 1280x720", text));
+            size.width = int(parsedInt(name, text.substr(0, cross), 1, 16384));
+            size.height = int(parsedInt(name, text.substr(cross + 1), 1, 16384));
+          },
+          description)
+      ->type_name("WxH");
+}
+
+}  // namespace ibr::app

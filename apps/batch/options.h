@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options whose values are checked when they are read: a bad one is a CLI::ValidationError, exit code 1.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parse.h"
+
+namespace ibr::app {
+
+std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high);
+double parsedDouble(const std::string& option, const std::string& text, double low, double high);
+
+CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,
+                    const std::string& description);
+CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, double low, double high,
+                       const std::string& description);
+
+/// WxH, as in 1280x720.
+struct PictureSize {
+  int width = 0, height = 0;  // 0: not given
+};
+CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, const std::string& description);
+
+/// One of a few words.
+template <class T>
+CLI::Option* addChoice(CLI::App& app, const std::string& name, T& value, std::vector<std::pair<std::string, T>> choices,
+                       const std::string& description) {
+  std::string words;
+  for (const auto& [word, unused] : choices) words += (words.empty() ? "" : "|") + word;
+  return app
+      .add_option_function<std::string>(
+          name,
+          [name, words, choices, &value](const std::string& text) {
+            for (const auto& [word, meaning] : choices)
+              if (word == text) {
+                value = meaning;
+                return;
+              }
+            throw CLI::ValidationError(name, "'" + text + "' is none of " + words);
+          },
+          description)
+      ->type_name(words);
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/pictures.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace ibr::app {
+
+Image8 rgb(const Image8& image) {
+  Image8 out(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) std::ranges::copy(image.pixel(x, y).first(3), out.pixel(x, y).begin());
+  return out;
+}
+
+Image8 absoluteDifference(const Image8& a, const Image8& b, int gain) {
+  Image8 out(a.width, a.height, 3);
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (std::size_t c = 0; c < 3; ++c)
+        out.pixel(x, y)[c] =
+            std::uint8_t(std::min(255, gain * std::abs(int(a.pixel(x, y)[c]) - int(b.pixel(x, y)[c]))));
+  return out;
+}
+
+Image8 sideBySide(const std::vector<Image8>& images) {
+  int width = 0;
+  for (const Image8& image : images) width += image.width;
+  Image8 out(width, images.front().height, 3);
+  for (int y = 0; y < out.height; ++y) {
+    int left = 0;
+    for (const Image8& image : images)
+      for (int x = 0; x < image.width; ++x) std::ranges::copy(image.pixel(x, y), out.pixel(left++, y).begin());
+  }
+  return out;
+}
+
+}  // namespace ibr::app

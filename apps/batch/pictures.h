@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small things that are done to pictures before they are written. All take and give 8-bit display-encoded values.
+#pragma once
+
+#include "ibr/image.h"
+
+namespace ibr::app {
+
+/// Without the alpha channel.
+Image8 rgb(const Image8& image);
+
+/// |a − b| channel by channel, times `gain`, over R, G, B. Precondition: equal sizes, 3 channels or more.
+Image8 absoluteDifference(const Image8& a, const Image8& b, int gain);
+
+/// Pictures of equal height, left to right; 3 channels each.
+Image8 sideBySide(const std::vector<Image8>& images);
+
+}  // namespace ibr::app

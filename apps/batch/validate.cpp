@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "batch/command.h"
+#include "ibr/scene.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostFaults = 1000;
+
+ExitCode validateFiles(const std::string& scene, const Context& context) {
+  const auto faults = validateSceneFiles(scene, kMostFaults);
+  Json report{{"scene", scene}, {"faults", Json::array()}};
+  for (const Fault& fault : faults) {
+    context.print("{}: {}\n", fault.field, fault.message);
+    report["faults"].push_back({{"field", fault.field}, {"message", fault.message}});
+  }
+  if (faults.empty())
+    context.print("{}: no fault\n", scene);
+  else
+    context.print("{}: {}{} faults\n", scene, faults.size() == kMostFaults ? "at least " : "", faults.size());
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  return faults.empty() ? kExitOk : kExitInvalidInput;
+}
+
+}  // namespace
+
+const Command kValidateCommand{.name = "validate",
+                               .summary = "Lists every fault of a scene, with its place",
+                               .examples = "ibr validate scene\nibr validate scene --json faults.json",
+                               .details = "Exit code 3 where there is a fault.",
+                               .afterInterrupt = "",
+                               .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+                                 const auto scene = std::make_shared<std::string>();
+                                 app.add_option("SCENE", *scene, "Scene folder, or its scene.gltf")->required();
+                                 return [scene](const Context& context) { return validateFiles(*scene, context); };
+                               }};
+
+}  // namespace ibr::app

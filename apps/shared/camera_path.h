@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera that moves: keys in time, splined between them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ibr/camera.h"
+
+namespace ibr::app {
+
+struct CameraKey {
+  double time = 0;  // s
+  glm::dvec3 position{0.0};
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit, camera axes to world
+  double fovY = 0;                          // radians, 0 < fovY < π
+};
+
+struct CameraPath {
+  int width = 0, height = 0;    // px
+  double fps = 0;               // frames a second, > 0
+  std::vector<CameraKey> keys;  // at least one, times strictly increasing
+};
+
+/// A camera with the name of the picture it takes; '/' separates folders.
+struct View {
+  std::string name;
+  Camera camera;
+};
+
+/// The camera at a time; before the first and after the last key it stands still. It passes through every key, its
+/// velocity has no jumps, and evenly spaced keys of a straight line give even motion. Rotations take the short way.
+Camera cameraAt(const CameraPath& path, double time);
+
+/// One view every 1/fps s from the first key to the last, named frame_0000, frame_0001, …
+std::vector<View> frames(const CameraPath& path);
+
+/// The form of the file: {"version":1,"size":[w,h],"fps":30,"keys":[{"time","position":[x,y,z],"rotation":[x,y,z,w],
+/// "fovY" in radians}]}. Throws Error (io, invalidInput) that names file and field.
+CameraPath readCameraPath(const std::filesystem::path& file);
+void writeCameraPath(const std::filesystem::path& file, const CameraPath& path);
+
+}  // namespace ibr::app
