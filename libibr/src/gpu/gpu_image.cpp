@@ -1,14 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/gpu_image.h"
 
+#include <algorithm>
 #include <cassert>
 
 #include "base/check.h"
 #include "gpu/debug.h"
+#include "gpu/format.h"
 #include "gpu/memory.h"
 
 namespace ibr {
 namespace {
+
+std::uint64_t leastBytes(const GpuImageInfo& info) {
+  std::uint64_t texels = 0;
+  for (std::uint32_t level = 0; level < info.mipLevels; ++level)
+    texels += std::uint64_t(std::max(1u, info.extent.width >> level)) * std::max(1u, info.extent.height >> level);
+  return texels * info.layers * texelBytes(info.format);
+}
 
 void checkSupport(const Device& device, const GpuImageInfo& info, std::string_view name) {
   VkImageFormatProperties can{};
@@ -26,6 +35,9 @@ void checkSupport(const Device& device, const GpuImageInfo& info, std::string_vi
   checkLimit("height", info.extent.height, can.maxExtent.height);
   checkLimit("layers", info.layers, can.maxArrayLayers);
   checkLimit("mip levels", info.mipLevels, can.maxMipLevels);
+  const std::uint64_t bytes = leastBytes(info);
+  check(bytes <= can.maxResourceSize, ErrorCode::outOfMemory,
+        "{}: {} bytes, more than the {} that an image of {} can have", name, bytes, can.maxResourceSize, device.name());
 }
 
 }  // namespace

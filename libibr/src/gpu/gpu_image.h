@@ -27,7 +27,7 @@ class GpuImage {
  public:
   GpuImage() = default;
   /// Throws Error{unsupported} where the device has no such images (format with usage, extent, layers), naming what is
-  /// too much, and Error{outOfMemory}.
+  /// too much, and Error{outOfMemory} that names image and size.
   GpuImage(const Device& device, const GpuImageInfo& info, std::string_view name);
 
   VkImage get() const noexcept { return image_.get(); }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gpu/barrier.h"
+#include "gpu/format.h"
 
 namespace ibr {
 namespace {
@@ -31,7 +32,8 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
   assert(layer < to.info().layers && level < to.info().mipLevels);
   assert(extent.width == std::max(1u, to.info().extent.width >> level));
   assert(extent.height == std::max(1u, to.info().extent.height >> level));
-  assert(!bytes.empty() && bytes.size() % extent.height == 0);
+  const std::size_t rowBytes = std::size_t(extent.width) * texelBytes(to.info().format);
+  assert(rowBytes > 0 && rowBytes <= staging_.size() && bytes.size() == rowBytes * extent.height);
   const VkImageSubresourceLayers subresource{to.info().aspect, level, layer, 1};
   const bool again = std::any_of(images_.begin(), images_.end(), [&](const ImagePiece& piece) {
     const VkImageSubresourceLayers& other = piece.region.imageSubresource;
@@ -39,8 +41,6 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
   });
   if (again) flush();  // copies of one batch are not ordered among themselves
 
-  const std::size_t rowBytes = bytes.size() / extent.height;
-  assert(rowBytes <= staging_.size());
   for (std::uint32_t row = 0; row < extent.height;) {
     const auto rows = std::uint32_t(std::min<VkDeviceSize>(room() / rowBytes, extent.height - row));
     if (rows == 0) {

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/device.h"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <string>
+
+#include "handmade_device.h"
+#include "ibr/error.h"
+#include "support/gpu.h"
+#include "support/temporary_folder.h"
+#include "test_picture.h"
+
+using namespace ibr;
+using Catch::Matchers::Contains;
+using test::testDevice;
+using test::testLog;
+
+namespace {
+
+/// Sets an environment variable while it lives.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    had_ = std::getenv(name) != nullptr;
+    ::setenv(name, value.c_str(), 1);
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+  ~Environment() { had_ ? ::setenv(name_, old_.c_str(), 1) : ::unsetenv(name_); }
+
+ private:
+  const char* name_;
+  std::string old_;
+  bool had_;
+};
+
+/// The message of the Error{code} that `call` must throw.
+template <class Call>
+std::string errorOf(ErrorCode code, Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    CHECK(error.code() == code);
+    return error.what();
+  }
+  FAIL("no error");
+  return {};
+}
+
+}  // namespace
+
+TEST_CASE("a device is found and made with no option") {
+  const Environment none("IBR_DEVICE", "");
+  const Device device = Device::create();
+  CHECK(device.handle() != VK_NULL_HANDLE);
+  CHECK(device.queue() != VK_NULL_HANDLE);
+  CHECK(device.properties().apiVersion >= VK_API_VERSION_1_3);
+  CHECK(device.memoryProperties().memoryHeapCount > 0);
+  CHECK_THAT(device.name(), Contains(device.properties().deviceName));
+  CHECK(device.validationMessages() == 0);
+}
+
+TEST_CASE("the software device comes last, and is taken where there is no other") {
+  const Environment none("IBR_DEVICE", "");
+  bool gpu = false, software = false;
+  for (const DeviceDescription& description : Device::list()) {
+    if (!description.lacking.empty()) continue;
+    (description.type == VK_PHYSICAL_DEVICE_TYPE_CPU ? software : gpu) = true;
+  }
+  const bool onSoftware = Device::create().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  CHECK(onSoftware == (software && !gpu));
+}
+
+TEST_CASE("the list describes what create would take") {
+  const auto list = Device::list();
+  REQUIRE_FALSE(list.empty());
+  int same = 0;
+  for (const DeviceDescription& description : list) {
+    INFO(description.name);
+    CHECK_FALSE(description.driver.empty());
+    CHECK(description.apiVersion >= VK_API_VERSION_1_0);
+    if (description.name != testDevice().properties().deviceName) continue;
+    ++same;
+    CHECK(description.lacking.empty());
+    CHECK(description.memoryBytes > 0);
+    CHECK(testDevice().name() == description.name + ", " + description.driver);
+  }
+  CHECK(same >= 1);
+}
+
+TEST_CASE("a device is chosen by index, by part of its name, by option before environment") {
+  const std::string name = testDevice().properties().deviceName;
+  const auto list = Device::list();
+  std::size_t index = 0;
+  while (list[index].name != name) ++index;
+  std::string upper = name.substr(0, 4);
+  for (char& c : upper) c = char(std::toupper(static_cast<unsigned char>(c)));
+  const Environment wrong("IBR_DEVICE", "no such device");
+  CHECK(Device::create({.device = name}).properties().deviceName == name);
+  CHECK(Device::create({.device = std::to_string(index)}).properties().deviceName == name);
+  CHECK_THAT(Device::create({.device = upper}).name(), Contains(name.substr(0, 4)));
+  const Environment right("IBR_DEVICE", name);
+  CHECK(Device::create().properties().deviceName == name);
+}
+
+TEST_CASE("a rejection names every device and why") {
+  const std::string name = testDevice().properties().deviceName;
+  const Environment none("IBR_DEVICE", "");
+  SECTION("no name matches") {
+    const auto message = errorOf(ErrorCode::unsupported, [] { Device::create({.device = "Voodoo 5"}); });
+    CHECK_THAT(message, Contains("Voodoo 5") && Contains(name) && Contains("does not match"));
+    CHECK_THAT(message, !Contains("IBR_DEVICE"));
+  }
+  SECTION("an index beyond the list matches no name either") {
+    CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create({.device = "4711"}); }), Contains("4711"));
+  }
+  SECTION("the wish comes from the environment") {
+    const Environment wish("IBR_DEVICE", "Voodoo 5");
+    CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create(); }), Contains("IBR_DEVICE"));
+  }
+  SECTION("a device extension is lacking") {
+    const auto message = errorOf(ErrorCode::unsupported, [] {
+      Device::create({.deviceExtensions = {"VK_IBR_none", "VK_IBR_nil"}});
+    });
+    CHECK_THAT(message, Contains(name) && Contains("lacks VK_IBR_none, VK_IBR_nil"));
+  }
+  SECTION("an instance extension is lacking") {
+    CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create({.instanceExtensions = {"VK_IBR_none"}}); }),
+               Contains("VK_IBR_none"));
+  }
+}
+
+TEST_CASE("where there is no driver, the message says what to install and the list is empty") {
+  const test::TemporaryFolder empty;
+  const Environment a("VK_DRIVER_FILES", (empty / "none.json").string());
+  const Environment b("VK_ICD_FILENAMES", (empty / "none.json").string());
+  CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create(); }), Contains("mesa-vulkan-drivers"));
+  CHECK(Device::list().empty());
+}
+
+TEST_CASE("where the validation layer is missing, the message names it") {
+  const test::TemporaryFolder empty;
+  const Environment path("VK_LAYER_PATH", empty.path().string());
+  CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create({.validation = true}); }),
+             Contains("VK_LAYER_KHRONOS_validation"));
+  CHECK(Device::create({.validation = false}).handle() != VK_NULL_HANDLE);
+}
+
+TEST_CASE("the choice of device is told to the log") {
+  std::string text;
+  const Device device = Device::create({.log = [&](LogLevel level, std::string_view message) {
+    if (level == LogLevel::info) text += message;
+  }});
+  CHECK_THAT(text, Contains(device.name()));
+}
+
+TEST_CASE("requirements are linked as Vulkan reads them") {
+  DeviceRequirements requirements = Device::requirements();
+  CHECK(requirements.apiVersion == VK_API_VERSION_1_3);
+  int extra = 0;
+  const VkPhysicalDeviceFeatures2* head = requirements.features.link(&extra);
+  CHECK(head->pNext == &requirements.features.vulkan11);
+  CHECK(requirements.features.vulkan11.pNext == &requirements.features.vulkan12);
+  CHECK(requirements.features.vulkan12.pNext == &requirements.features.vulkan13);
+  CHECK(requirements.features.vulkan13.pNext == &extra);
+}
+
+TEST_CASE("an adopted device does what a created one does") {
+  const Image8 created = test::samplePicture(testDevice());
+  CHECK(created == test::expectedPicture());
+  const test::HandmadeDevice handmade;
+  const Device adopted = Device::adopt(handmade.handles());
+  CHECK(test::samplePicture(adopted) == created);
+  CHECK(adopted.name() == testDevice().name());
+  CHECK(adopted.properties().apiVersion == testDevice().properties().apiVersion);
+  CHECK(adopted.handle() == handmade.handles().device);
+  CHECK(adopted.queueFamily() == handmade.handles().queueFamily);
+}
+
+TEST_CASE("an adopted device stays its maker's") {
+  const test::HandmadeDevice handmade;
+  for (int i = 0; i < 2; ++i) {
+    const Device adopted = Device::adopt(handmade.handles());
+    CHECK(adopted.validationMessages() == 0);
+  }
+  CHECK(vkDeviceWaitIdle(handmade.handles().device) == VK_SUCCESS);
+  CHECK(test::samplePicture(Device::adopt(handmade.handles())) == test::expectedPicture());
+}
+
+TEST_CASE("what cannot be adopted is named") {
+  const test::HandmadeDevice handmade;
+  DeviceHandles handles = handmade.handles();
+  SECTION("a null handle") {
+    handles.queue = VK_NULL_HANDLE;
+    CHECK_THAT(errorOf(ErrorCode::invalidInput, [&] { Device::adopt(handles); }), Contains("queue is null"));
+  }
+  SECTION("a queue family that is not there") {
+    handles.queueFamily = 1000;
+    CHECK_THAT(errorOf(ErrorCode::unsupported, [&] { Device::adopt(handles); }), Contains("queue family 1000"));
+  }
+  SECTION("a device made for an older Vulkan") {
+    const test::HandmadeDevice old(VK_API_VERSION_1_2);
+    CHECK_THAT(errorOf(ErrorCode::unsupported, [&] { Device::adopt(old.handles()); }), Contains("Vulkan 1.3"));
+  }
+}
+
+TEST_CASE("two devices in one process do not see each other") {
+  const DeviceOptions options{.validation = true, .log = testLog()};
+  const Device a = Device::create(options), b = Device::create(options);
+  CHECK(a.handle() != b.handle());
+  CHECK(a.instance() != b.instance());
+  CHECK(test::samplePicture(a) == test::samplePicture(b));
+}
+
+TEST_CASE("devices move") {
+  const DeviceOptions options{.validation = true, .log = testLog()};
+  Device a = Device::create(options);
+  const VkDevice handle = a.handle();
+  Device b = std::move(a);
+  CHECK(b.handle() == handle);
+  Device c = Device::create(options);
+  c = std::move(b);  // destroys what c had
+  CHECK(c.handle() == handle);
+  CHECK(test::samplePicture(c) == test::expectedPicture());
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// An instance and a device as an engine would make them from Device::requirements(), with validation.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include "ibr/device.h"
+
+namespace ibr::test {
+
+class HandmadeDevice {
+ public:
+  /// On the physical device of testDevice(). `apiVersion` 0: as required.
+  explicit HandmadeDevice(std::uint32_t apiVersion = 0);
+  HandmadeDevice(const HandmadeDevice&) = delete;
+  HandmadeDevice& operator=(const HandmadeDevice&) = delete;
+  ~HandmadeDevice();
+
+  DeviceHandles handles() const { return {instance_, physicalDevice_, device_, queue_, queueFamily_, log_}; }
+
+ private:
+  LogCallback log_;
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queueFamily_ = 0;
+};
+
+}  // namespace ibr::test
