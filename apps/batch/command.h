@@ -35,6 +35,6 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand;
+    kDeviceCommand, kBenchCommand;
 
 }  // namespace ibr::app

@@ -18,7 +18,7 @@ namespace ibr::app {
 namespace {
 
 constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand,
-                               &kEvalCommand,  &kCompareCommand, &kDeviceCommand};
+                               &kEvalCommand,  &kCompareCommand, &kBenchCommand,    &kDeviceCommand};
 
 ExitCode exitCodeOf(ErrorCode code) {
   switch (code) {

@@ -7,7 +7,19 @@
 
 namespace ibr::app {
 
+void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
+  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierRejected,
+         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter");
+  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
+                   "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
+  addChoice<BlendMode>(app, "--blend", settings.blend, {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}},
+                       "Weighted sum of the photographs, or one of them a pixel [blend]");
+  addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
+            "Draw no cell that is further away than X times its size");
+}
+
 void declareSettings(CLI::App& app, RenderSettings& settings) {
+  declarePictureSettings(app, settings);
   app.add_option_function<std::string>(
          "--cells",
          [&settings](const std::string& text) {
@@ -15,16 +27,8 @@ void declareSettings(CLI::App& app, RenderSettings& settings) {
          },
          fmt::format("Draw at most N cells [{}]", settings.maxCells))
       ->type_name("N");
-  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierRejected,
-         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter");
-  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
-                   "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
-  addChoice<BlendMode>(app, "--blend", settings.blend, {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}},
-                       "Weighted sum of the photographs, or one of them a pixel [blend]");
-  addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
-            "Draw no cell that is further away than X times its size");
 }
 
 nlohmann::ordered_json settingsJson(const RenderSettings& settings) {

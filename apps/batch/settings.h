@@ -9,7 +9,11 @@
 
 namespace ibr::app {
 
+/// All of them.
 void declareSettings(CLI::App& app, RenderSettings& settings);
+
+/// Without --cells and --order, for a command that tries several of each.
+void declarePictureSettings(CLI::App& app, RenderSettings& settings);
 
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings);

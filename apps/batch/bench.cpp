@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frame times, ours and the paper's order side by side. The two are measured in turn, frame by frame, so that a machine
+// whose speed drifts does not favour one; the ratio is the median of the pairs' ratios.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "batch/command.h"
+#include "batch/options.h"
+#include "batch/progress.h"
+#include "batch/settings.h"
+#include "batch/table.h"
+#include "gpu/scope.h"
+#include "ibr/offscreen.h"
+#include "shared/auto_path.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene;
+  PictureSize size{1920, 1080};
+  std::vector<int> cells{1, 5, 12};
+  int views = 3;
+  int repeat = 9;
+  RenderSettings settings;
+};
+
+struct Way {
+  const char* name;
+  DrawOrder order;
+};
+constexpr std::array kWays{Way{"paper", DrawOrder::paper}, Way{"ours", DrawOrder::ours}};
+
+double quantile(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, std::size_t(q * double(values.size())))];
+}
+
+std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
+  std::size_t count = 0;
+  for (const PlannedCell& cell : plan.cells)
+    count += plan.settings.lowestTier == kTierAgrees ? scene.cells[cell.cell].mesh.tier0Count()
+                                                     : scene.cells[cell.cell].mesh.triangles.size();
+  return count;
+}
+
+ExitCode bench(const Options& options, const Context& context) {
+  const Scene scene = loadScene(options.scene);
+  const std::vector<CellBounds> bounds = cellBounds(scene);
+  const std::vector<View> views = frames(autoPath(scene, options.views, options.size.width, options.size.height));
+  Device device = Device::create({.device = context.options().device, .log = context.log()});
+  const VkExtent2D extent{std::uint32_t(options.size.width), std::uint32_t(options.size.height)};
+  const GpuScene gpuScene(device, scene);
+  const Renderer renderer(device, gpuScene, extent);
+  Offscreen offscreen(device, extent);
+  ScopeTimer timer(device, 1);
+  const auto milliseconds = [&](const FramePlan& plan) {
+    offscreen.render([&](VkCommandBuffer commands) {
+      timer.reset(commands);
+      const GpuScope scope(commands, &timer, "frame");
+      renderer.record(commands, plan, offscreen.target());
+    });
+    const std::vector<ScopeTime> times = timer.read();
+    check(!times.empty(), ErrorCode::unsupported, "{}: the queue has no timestamps", device.name());
+    return times[0].milliseconds;
+  };
+
+  Json frameList = Json::array();
+  Table table;
+  table.row({"cells", "drawn", "triangles", "paper ms", "ours ms", "p95 ms", "ours / paper"});
+  ProgressLine progress(context);
+  for (std::size_t c = 0; c < options.cells.size(); ++c) {
+    std::vector<double> times[2], ratios;
+    std::size_t drawn = 0, triangles = 0;
+    for (const View& view : views) {
+      FramePlan plans[2];
+      for (std::size_t w = 0; w < kWays.size(); ++w) {
+        FrameInput input{view.camera, options.settings};
+        input.settings.maxCells = std::uint32_t(options.cells[c]);
+        input.settings.order = kWays[w].order;
+        plans[w] = planFrame(scene, bounds, input);
+      }
+      drawn = std::max(drawn, plans[0].cells.size());
+      triangles = std::max(triangles, triangleCount(scene, plans[0]));
+      for (int repeat = -1; repeat < options.repeat; ++repeat) {  // the first warms up and is not counted
+        check(progress.show({"measuring", c, options.cells.size()}), ErrorCode::cancelled, "stopped");
+        const double paper = milliseconds(plans[0]), ours = milliseconds(plans[1]);
+        if (repeat < 0) continue;
+        times[0].push_back(paper);
+        times[1].push_back(ours);
+        ratios.push_back(ours / paper);
+      }
+    }
+    for (std::size_t w = 0; w < kWays.size(); ++w)
+      frameList.push_back({{"cells", options.cells[c]},
+                           {"drawn", drawn},
+                           {"triangles", triangles},
+                           {"way", kWays[w].name},
+                           {"colourMapping", "off"},
+                           {"views", 1},
+                           {"medianMs", quantile(times[w], 0.5)},
+                           {"p95Ms", quantile(times[w], 0.95)},
+                           {"n", times[w].size()},
+                           {"ratioToPaper", w == 0 ? 1.0 : quantile(ratios, 0.5)}});
+    table.row({std::to_string(options.cells[c]), std::to_string(drawn), std::to_string(triangles),
+               numberText(quantile(times[0], 0.5), 1), numberText(quantile(times[1], 0.5), 1),
+               numberText(quantile(times[1], 0.95), 1), numberText(quantile(ratios, 0.5), 3)});
+  }
+  progress.show({"measuring", options.cells.size(), options.cells.size()});
+  context.print("{}", table.text());
+  context.report(Json{{"device", device.name()},
+                      {"size", {options.size.width, options.size.height}},
+                      {"frames", frameList},
+                      {"passes", Json::array()},
+                      {"settings", settingsJson(options.settings)},
+                      {"scene", options.scene}}
+                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kBenchCommand{
+    .name = "bench",
+    .summary = "Measures frame times of a scene, front to back with depth against the paper's back to front",
+    .examples =
+        "ibr bench scene\n"
+        "ibr bench scene --size 1280x720 --cells 1,4,16 --repeat 15 --json times.json",
+    .details =
+        "Times are the device's, for one frame without the way back to the host. All settings but the order are the\n"
+        "same for both. \"drawn\" is how many cells were in view at most.",
+    .afterInterrupt = "Nothing was written.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      addSize(app, "--size", options->size, "Size of the pictures [1920x1080]");
+      app.add_option("--cells", options->cells, "Numbers of cells to measure [1,5,12]")
+          ->delimiter(',')
+          ->check(CLI::Range(1, int(kLargestCellCount)))
+          ->type_name("N,…");
+      addInt(app, "--views", options->views, 1, 1000, "Views to measure, along an automatic path");
+      addInt(app, "--repeat", options->repeat, 1, 10'000, "Frames of each way and view");
+      declarePictureSettings(app, options->settings);
+      return [options](const Context& context) { return bench(*options, context); };
+    }};
+
+}  // namespace ibr::app
