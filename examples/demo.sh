@@ -1,0 +1,66 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# From photographs to new views: installs what is missing, builds ibr, turns the bundled photographs into scenes, and
+# renders a walk between and slightly beyond the places they were taken from.
+#   sh examples/demo.sh [--output DIR]      default: out/demo
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+output=$root/out/demo
+while [ $# -gt 0 ]; do
+  case $1 in
+    --output)
+      [ $# -ge 2 ] || { echo "demo.sh: --output needs a folder" >&2; exit 1; }
+      output=$2
+      shift 2
+      ;;
+    -h | --help)
+      sed -n '3,5s/^# //p' "$0"
+      exit 0
+      ;;
+    *)
+      echo "demo.sh: $1: unknown; sh examples/demo.sh [--output DIR]" >&2
+      exit 1
+      ;;
+  esac
+done
+mkdir -p "$output"
+output=$(cd "$output" && pwd)
+cd "$root"
+. examples/packages.sh
+# shellcheck disable=SC2086 # lists of words
+install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_DEMO
+
+echo "== building"
+cmake --preset release -DIBR_BUILD_TESTS=OFF -DIBR_BUILD_EXAMPLES=OFF >"$output/build.log"
+cmake --build --preset release --target ibr_batch >>"$output/build.log" || { tail -n 40 "$output/build.log"; exit 1; }
+ibr=$root/build/release/apps/batch/ibr
+"$ibr" device
+
+# walk NAME FRAMES: photographs → scene → pictures, contact sheet, video
+walk() {
+  scene=$output/$1/scene pictures=$output/$1/pictures
+  echo "== $1: photographs to scene"
+  "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1.txt"
+  tail -n 1 "$output/$1.txt"
+  echo "== $1: scene to pictures"
+  rm -rf "$pictures"
+  "$ibr" render "$scene" --path "auto:$2" -o "$pictures"
+  ffmpeg -v error -y -framerate 30 -i "$pictures/frame_%04d.png" -vf "select=not(mod(n\,$(($2 / 12)))),scale=480:-2,tile=4x3" \
+    -frames:v 1 -q:v 3 "$output/$1/contact-sheet.jpg" </dev/null
+  ffmpeg -v error -y -framerate 30 -i "$pictures/frame_%04d.png" -pix_fmt yuv420p -crf 20 -movflags +faststart \
+    "$output/$1/walk.mp4" </dev/null
+}
+walk park 120
+
+echo
+for name in park; do
+  echo "$name"
+  echo "  pictures       $output/$name/pictures"
+  echo "  contact sheet  $output/$name/contact-sheet.jpg"
+  echo "  video          $output/$name/walk.mp4"
+  echo "  scene          $output/$name/scene"
+done
+viewer=$root/build/release/apps/viewer/ibr-viewer
+if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -x "$viewer" ]; then
+  "$viewer" "$output/park/scene"
+fi

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# What libibr needs of Debian 12, and how it gets there. Sourced by examples/demo.sh and tests/run.sh.
+
+# To build the library and the program ibr, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
+# needs no graphics card.
+IBR_PACKAGES_BUILD="g++ cmake ninja-build libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
+  libjpeg-dev libpng-dev libtiff-dev libopencv-dev libcgal-dev libcli11-dev mesa-vulkan-drivers"
+# The demo's contact sheets and videos.
+IBR_PACKAGES_DEMO="ffmpeg"
+# To build and run the tests.
+IBR_PACKAGES_TEST="catch2 vulkan-validationlayers colmap locales"
+
+# install_packages PACKAGE…: installs those that are missing. Needs no network where none is.
+install_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "This is no Debian: if something is missing below, it is what these packages of Debian 12 hold:" >&2
+    echo "  $*" >&2
+    return 0
+  fi
+  missing=
+  for package in "$@"; do
+    case $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) in
+      installed) ;;
+      *) missing="$missing $package" ;;
+    esac
+  done
+  [ -n "$missing" ] || return 0
+  if [ "$(id -u)" = 0 ]; then
+    as_root=env
+  elif command -v sudo >/dev/null; then
+    as_root="sudo env"
+  else
+    echo "These packages are missing; install them as root:" >&2
+    echo "  apt-get install --no-install-recommends$missing" >&2
+    return 1
+  fi
+  echo "Installing$missing" >&2
+  # A stale package list is no reason to stop: what is missing may still be found.
+  $as_root DEBIAN_FRONTEND=noninteractive apt-get -q update </dev/null >&2 || true
+  # shellcheck disable=SC2086 # a list of words
+  $as_root DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends $missing </dev/null >&2
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/file.h"
+#include "run_program.h"
+#include "support/temporary_folder.h"
+#include "tiny_scene.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Contains;
+using test::runProgram;
+
+namespace {
+
+std::set<std::string> filesBelow(const fs::path& folder) {
+  std::set<std::string> files;
+  if (fs::exists(folder))
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) files.insert(fs::relative(entry.path(), folder).string());
+  return files;
+}
+
+std::map<std::string, std::string> contentsBelow(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const std::string& file : filesBelow(folder)) contents[file] = readTextFile(folder / file);
+  return contents;
+}
+
+}  // namespace
+
+TEST_CASE("build finds the model, says which, and reports") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  const auto outcome = runProgram({"build", set.photographs, "-o", folder / "scene", "--json", folder / "report.json"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("sparse") && Contains("100 %"));
+  CHECK_THAT(outcome.out, Contains("triangles") && Contains("in all"));
+  CHECK(fs::exists(folder / "scene/scene.gltf"));
+  const auto report = nlohmann::json::parse(readTextFile(folder / "report.json"));
+  for (const char* key : {"scene", "photographs", "model", "cells", "dropped", "stages", "seconds"})
+    CHECK(report.contains(key));
+  REQUIRE(!report.at("cells").empty());
+  for (const char* key :
+       {"members", "points", "triangles", "tier0", "coverage", "ecc", "residualPx", "seconds", "resumed"})
+    CHECK(report["cells"][0].contains(key));
+  CHECK(report["cells"][0]["triangles"] > 0);
+  CHECK(!report.at("stages").empty());
+
+  SECTION("info and validate read it") {
+    const auto info = runProgram({"info", folder / "scene", "--explain", "--json", "-"});
+    REQUIRE(info.code == 0);
+    const auto json = nlohmann::json::parse(info.out);
+    CHECK(json.at("photographs") == 3);
+    CHECK(json.at("cells").size() == report["cells"].size());
+    CHECK(json.at("triangles") > 0);
+    CHECK(json.at("memory").at("predicted").at("textures") > 0);
+    if (test::deviceIsThere()) {
+      // Predicted is without alignment, so never more; and it must not miss a part.
+      const auto& memory = json["memory"];
+      for (const char* kind : {"positions", "indices", "textures"}) {
+        CHECK(memory["measured"][kind] >= memory["predicted"][kind]);
+        CHECK(memory["measured"][kind].get<double>() <= 1.5 * memory["predicted"][kind].get<double>() + 65536);
+      }
+    }
+    CHECK(!json.at("stages").empty());
+    CHECK_THAT(runProgram({"info", folder / "scene"}).out, Contains("a/0.png"));
+    CHECK(runProgram({"validate", folder / "scene"}).code == 0);
+  }
+  SECTION("validate names every fault") {
+    const std::string file = folder / "scene/scene.gltf";
+    std::string text = readTextFile(file);
+    for (auto& entry : fs::directory_iterator(folder / "scene/textures")) fs::remove(entry.path());
+    const auto outcome2 = runProgram({"validate", folder / "scene", "--json", "-"});
+    CHECK(outcome2.code == 3);
+    const auto faults = nlohmann::json::parse(outcome2.out).at("faults");
+    CHECK(faults.size() >= 3);
+    for (const auto& fault : faults) CHECK((fault.contains("field") && fault.contains("message")));
+  }
+  SECTION("the same again gives the same bytes, and nothing is built twice") {
+    const auto before = contentsBelow(folder / "scene");
+    const auto again = runProgram({"build", set.photographs, "-o", folder / "other", "-q"});
+    CHECK(again.code == 0);
+    CHECK(again.err.empty());
+    CHECK(contentsBelow(folder / "other") == before);
+  }
+}
+
+TEST_CASE("photographs can be left out by name or by a list") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  writeFile(folder / "list.txt", "a/1.png\r\n\n");
+  for (const std::vector<std::string>& choice :
+       {std::vector<std::string>{"--exclude", "a/1.png"}, {"--exclude-from", folder / "list.txt"}}) {
+    std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene", "--json", "-"};
+    line.insert(line.end(), choice.begin(), choice.end());
+    fs::remove_all(folder / "scene");
+    const auto outcome = runProgram(line);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    CHECK(nlohmann::json::parse(outcome.out).at("cells").size() == 1);
+    for (const auto& cell : nlohmann::json::parse(outcome.out).at("cells"))
+      for (const auto& member : cell.at("members")) CHECK(member != "a/1.png");
+  }
+}
+
+TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  const std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene"};
+  const auto stopped =
+      runProgram(line, {.interruptWhen = [](const std::string& err) { return Contains("%").match(err); }});
+  INFO(stopped.err);
+  CHECK(stopped.code == 130);
+  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK(!fs::exists(folder / "scene/scene.gltf"));
+  for (const std::string& file : filesBelow(folder / "scene")) {
+    INFO(file);
+    CHECK(file.find(".tmp") == std::string::npos);
+  }
+  CHECK(runProgram(line).code == 0);
+  CHECK(runProgram({"validate", folder / "scene"}).code == 0);
+  // What an interrupted build made is what one in a single go makes.
+  CHECK(runProgram({"build", set.photographs, "-o", folder / "whole"}).code == 0);
+  CHECK(contentsBelow(folder / "scene") == contentsBelow(folder / "whole"));
+}

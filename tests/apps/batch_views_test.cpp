@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// render and eval on a tiny scene, with the validation layer watching.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "io/image_file.h"
+#include "run_program.h"
+#include "support/temporary_folder.h"
+#include "tiny_scene.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Contains;
+
+namespace {
+
+test::Outcome runValidated(const std::vector<std::string>& arguments) {
+  const auto outcome = test::runProgram(arguments, {.environment = {"VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation"}});
+  INFO(outcome.out << outcome.err);
+  CHECK(outcome.out.find("VUID") == std::string::npos);
+  CHECK(outcome.err.find("VUID") == std::string::npos);
+  return outcome;
+}
+
+std::size_t darkPixels(const Image8& image) {
+  std::size_t count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      count += image.pixel(x, y)[0] + image.pixel(x, y)[1] + image.pixel(x, y)[2] == 0;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("render follows a COLMAP model's names, folders included") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const auto outcome = runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse",
+                                     "-o", folder / "out", "--json", "-"});
+  REQUIRE(outcome.code == 0);
+  for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
+    const Image8 image = readImage(folder / "out" / name);
+    CHECK((image.width == 192 && image.height == 144));
+    CHECK(darkPixels(image) < image.values.size() / 3 / 2);
+  }
+  const auto report = nlohmann::json::parse(outcome.out);
+  CHECK(report.at("views").size() == 3);
+  CHECK(report.at("device").is_string());
+  CHECK(report.at("settings").at("morph") == "ours");
+}
+
+TEST_CASE("render: a size keeps the field of view and the shape of pixels") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  REQUIRE(runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse", "--size",
+                        "120x72", "-o", folder / "out"})
+              .code == 0);
+  const Image8 image = readImage(folder / "out/a/0.png");
+  CHECK((image.width == 120 && image.height == 72));
+}
+
+TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> settings{{},
+                                                       {"--blend", "dither"},
+                                                       {"--morph", "paper", "--order", "paper", "--tiers", "0"},
+                                                       {"--cells", "1", "--extrapolation", "0.5"}};
+  for (const auto& more : settings) {
+    fs::remove_all(folder / "out");
+    std::vector<std::string> line{"render", test::tinyScene(), "--path", "auto:5", "-o", folder / "out"};
+    line.insert(line.end(), more.begin(), more.end());
+    REQUIRE(runValidated(line).code == 0);
+    for (int i = 0; i < 5; ++i) CHECK(fs::exists(folder / "out" / ("frame_000" + std::to_string(i) + ".png")));
+    CHECK(!fs::exists(folder / "out/frame_0005.png"));
+  }
+}
+
+TEST_CASE("render takes a camera path") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  writeFile(folder / "path.json",
+            R"({"version":1,"size":[64,48],"fps":2,"keys":[
+                {"time":0,"position":[0,0,0],"rotation":[0,0,0,1],"fovY":0.8},
+                {"time":1,"position":[0.4,0,0],"rotation":[0,0,0,1],"fovY":0.8}]})");
+  REQUIRE(runValidated({"render", test::tinyScene(), "--poses", folder / "path.json", "-o", folder / "out"}).code == 0);
+  CHECK(readImage(folder / "out/frame_0002.png").width == 64);
+  writeFile(folder / "path.json", R"({"version":1,"size":[64,48],"fps":2,"keys":[]})");
+  const auto outcome =
+      test::runProgram({"render", test::tinyScene(), "--poses", folder / "path.json", "-o", folder / "no"});
+  CHECK(outcome.code == 3);
+  CHECK_THAT(outcome.err, Contains("path.json") && Contains("/keys"));
+  CHECK(!fs::exists(folder / "no"));
+}
+
+TEST_CASE("render refuses names that lead out of the folder or to one file") {
+  test::TemporaryFolder folder;
+  const Camera camera = test::tinySet().cameras[0].camera;
+  test::writeColmapModel(folder / "out-of-it", {{"../../x.jpg", camera}});
+  test::writeColmapModel(folder / "same", {{"a.jpg", camera}, {"a.png", camera}});
+  for (const char* model : {"out-of-it", "same"}) {
+    const auto outcome =
+        test::runProgram({"render", test::tinyScene(), "--poses", folder / model, "-o", folder / "deep/er/out"});
+    INFO(model << outcome.err);
+    CHECK(outcome.code == 3);
+    CHECK(!fs::exists(folder / "deep"));
+  }
+}
+
+TEST_CASE("eval reports the keys that were promised, and pictures") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const auto outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().photographs, "-o",
+                                     folder / "out", "--json", folder / "eval.json"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("mean") && Contains("PSNR") && Contains("b/2.png"));
+  const auto report = nlohmann::json::parse(readTextFile(folder / "eval.json"));
+  for (const char* key : {"device", "settings", "scene"}) CHECK(report.contains(key));
+  REQUIRE(report.at("views").size() == 3);
+  double sum = 0;
+  for (const auto& view : report.at("views")) {
+    for (const char* key :
+         {"name", "psnr", "ssim", "flip", "coverage", "coverageTier0", "psnrCovered", "ssimCovered", "milliseconds"})
+      CHECK(view.contains(key));
+    CHECK(view["flip"].is_null());
+    CHECK(view["coverage"] > 0.4);
+    CHECK(view["coverage"] <= 1.0);
+    CHECK(view["coverageTier0"] <= view["coverage"]);
+    // At its own pose a photograph comes back where it is covered.
+    CHECK(view["psnrCovered"] > 35);
+    CHECK(view["psnrCovered"] >= view["psnr"]);
+    CHECK(view["milliseconds"] > 0);
+    sum += view["psnr"].get<double>();
+  }
+  CHECK(report.at("mean").at("psnr").get<double>() == Approx(sum / 3));
+  const Image8 shown = readImage(folder / "out/a/1.png");
+  CHECK((shown.width == 3 * 192 && shown.height == 144));
+}
+
+TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const test::TinySet& set = test::tinySet();
+  const auto some =
+      runValidated({"eval", test::tinyScene(), "--truth", set.photographs, "--views", "a/1.png", "--json", "-"});
+  REQUIRE(some.code == 0);
+  CHECK(nlohmann::json::parse(some.out).at("views").size() == 1);
+  CHECK(test::runProgram({"eval", test::tinyScene(), "--truth", set.photographs, "--views", "none.png"}).code == 3);
+
+  // A truth folder as data sets have them: images/ beside cameras.txt, and a picture that is missing.
+  test::writeColmapModel(folder / "truth", {{"0.png", set.cameras[0].camera}, {"gone.png", set.cameras[1].camera}});
+  fs::create_directories(folder / "truth/images");
+  fs::copy_file(set.photographs / "a/0.png", folder / "truth/images/0.png");
+  const auto missing = runValidated({"eval", test::tinyScene(), "--truth", folder / "truth", "--json", "-"});
+  REQUIRE(missing.code == 0);
+  CHECK(nlohmann::json::parse(missing.out).at("views").size() == 1);
+  CHECK_THAT(missing.err, Contains("warning") && Contains("gone.png"));
+
+  writeImage(folder / "truth/images/0.png", Image8(50, 40, 3));
+  const auto wrong = test::runProgram({"eval", test::tinyScene(), "--truth", folder / "truth"});
+  CHECK(wrong.code == 3);
+  CHECK_THAT(wrong.err, Contains("50×40") && Contains("192×144"));
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tiny_scene.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "base/file.h"
+#include "io/image_file.h"
+#include "run_program.h"
+#include "scene/synthetic.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::test {
+namespace {
+
+struct Observation {
+  std::size_t image;
+  glm::vec2 pixel;
+};
+struct Point {
+  glm::dvec3 position;
+  std::vector<Observation> observations;
+};
+
+void writeModel(const fs::path& folder, const std::vector<NamedCamera>& cameras, const std::vector<Point>& points) {
+  fs::create_directories(folder);
+  std::string cameraLines, imageLines, pointLines;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const auto& [name, camera] = cameras[i];
+    const Intrinsics& k = camera.intrinsics;
+    cameraLines += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+    // World to camera, in axes x right, y down, z forward: half a turn about x from ours.
+    const glm::dquat q = glm::dquat(0, 1, 0, 0) * glm::conjugate(camera.pose.rotation);
+    const glm::dvec3 t = -(q * camera.pose.position);
+    imageLines += fmt::format("{} {} {} {} {} {} {} {} {} {}\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1, name);
+    std::string observations;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      for (const Observation& seen : points[p].observations)
+        if (seen.image == i) observations += fmt::format("{} {} {} ", seen.pixel.x, seen.pixel.y, p + 1);
+    imageLines += observations + '\n';
+  }
+  std::vector<std::size_t> next(cameras.size(), 0);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Point& point = points[p];
+    pointLines +=
+        fmt::format("{} {} {} {} 128 128 128 0.5", p + 1, point.position.x, point.position.y, point.position.z);
+    for (const Observation& seen : point.observations)
+      pointLines += fmt::format(" {} {}", seen.image + 1, next[seen.image]++);
+    pointLines += '\n';
+  }
+  writeFile(folder / "cameras.txt", cameraLines);
+  writeFile(folder / "images.txt", imageLines);
+  writeFile(folder / "points3D.txt", pointLines);
+}
+
+}  // namespace
+
+void writeColmapModel(const fs::path& folder, const std::vector<NamedCamera>& cameras) {
+  writeModel(folder, cameras, {});
+}
+
+TinySet makeTinySet(const fs::path& folder) {
+  SyntheticOptions options;
+  for (const glm::dvec3 position : {glm::dvec3(0, 0, 0), glm::dvec3(0.5, 0, 0), glm::dvec3(0.2, 0.4, 0)})
+    options.cameras.push_back({pinholeFromFov(192, 144, 0.9), {position, {1, 0, 0, 0}}});
+  options.planes.push_back({.origin = {0, 0, -5}, .extentU = 16, .extentV = 12, .wavelength = 0.25});
+  options.planes.push_back({.origin = {0.6, 0.1, -3.5}, .extentU = 1.2, .extentV = 1, .seed = 2, .wavelength = 0.2});
+  options.gridStep = 12;
+  const SyntheticScene made = makeScene(options);
+
+  TinySet set{folder / "photographs", {}};
+  const char* const names[] = {"a/0.png", "a/1.png", "b/2.png"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    set.cameras.push_back({names[i], options.cameras[i]});
+    fs::create_directories((set.photographs / names[i]).parent_path());
+    writeImage(set.photographs / names[i], made.photographs[i]);
+  }
+  std::vector<Point> points;
+  const Cell& cell = made.scene.cells.at(0);
+  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    points.push_back({vertexPosition(made.scene, cell, p).value(), {}});
+    for (std::size_t i = 0; i < cell.members.size(); ++i)
+      points.back().observations.push_back({cell.members[i], cell.mesh.match[i][p]});
+  }
+  writeModel(set.photographs / "sparse", set.cameras, points);
+  return set;
+}
+
+const fs::path& tinyFolder() {
+  static const TemporaryFolder folder;
+  return folder.path();
+}
+
+const TinySet& tinySet() {
+  static const TinySet set = makeTinySet(tinyFolder());
+  return set;
+}
+
+const fs::path& tinyScene() {
+  static const fs::path scene = [] {
+    const fs::path folder = tinyFolder() / "scene";
+    const Outcome outcome = runProgram({"build", tinySet().photographs, "-o", folder});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return folder;
+  }();
+  return scene;
+}
+
+}  // namespace ibr::test
