@@ -126,6 +126,23 @@ TEST_CASE("one canvas serves frames in flight without further barriers") {
   CHECK(pixel(last, 0) == Pixel{255, 0, 0, 255});
 }
 
+TEST_CASE("a frame waits until transfers have read the one before") {
+  const VkExtent2D extent{8, 8};
+  const PicturePasses passes(testDevice(), extent, square(-1, 1, 0.5f, {1, 0, 0}), {});
+  const Buffer colour(testDevice(), 256, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback, "colour");
+  const test::CommandBuffers commands(testDevice(), 2);
+  commands.submit(0, [&](VkCommandBuffer frame) {
+    passes.recordCanvas(frame, extent);
+    transition(frame, passes.canvas().colour(), use::kSampled, use::kTransferSource);
+    const VkBufferImageCopy region{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, .imageExtent = {8, 8, 1}};
+    vkCmdCopyImageToBuffer(frame, passes.canvas().colour(), use::kTransferSource.layout, colour.get(), 1, &region);
+    bufferBarrier(frame, use::kTransferWrite, use::kHostRead);
+  });
+  commands.submit(1, [&](VkCommandBuffer frame) { passes.recordCanvas(frame, extent); });
+  CHECK(vkQueueWaitIdle(testDevice().queue()) == VK_SUCCESS);
+  CHECK(int(colour.mapped()[0]) == 255);
+}
+
 TEST_CASE("commands that are never submitted do no harm") {
   const VkExtent2D extent{4, 4};
   const PicturePasses passes(testDevice(), extent, square(-1, 1, 0.5f, {1, 0, 0}), {});

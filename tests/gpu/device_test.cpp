@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ibr/device.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
+#include "gpu/device_choice.h"
 #include "handmade_device.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
@@ -130,6 +133,29 @@ TEST_CASE("a rejection names every device and why") {
     CHECK_THAT(errorOf(ErrorCode::unsupported, [] { Device::create({.instanceExtensions = {"VK_IBR_none"}}); }),
                Contains("VK_IBR_none"));
   }
+}
+
+TEST_CASE("discrete before integrated before virtual before software, whatever the order") {
+  const Environment none("IBR_DEVICE", "");
+  std::vector<DeviceDescription> devices{{.name = "unknown", .type = VK_PHYSICAL_DEVICE_TYPE_OTHER},
+                                         {.name = "software", .type = VK_PHYSICAL_DEVICE_TYPE_CPU},
+                                         {.name = "cloud", .type = VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU},
+                                         {.name = "laptop", .type = VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU},
+                                         {.name = "card A", .type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU},
+                                         {.name = "card B", .type = VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU}};
+  if (GENERATE(false, true)) std::reverse(devices.begin(), devices.end());
+  const auto chosen = [&](const std::string& option) { return devices[choose(devices, option)].name; };
+  CHECK(chosen("") == (devices[0].name == "unknown" ? "card A" : "card B"));  // the first of equals
+  for (DeviceDescription& device : devices)
+    if (device.type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) device.lacking = {"depthClamp", "scalarBlockLayout"};
+  CHECK(chosen("") == "laptop");
+  CHECK(chosen("soft") == "software");
+  CHECK(chosen("3") == devices[3].name);
+  devices[2].name = "17";  // no index, but a name
+  CHECK(chosen("17") == "17");
+  CHECK_THAT(errorOf(ErrorCode::unsupported, [&] { chosen("CARD"); }),
+             Contains("'card A' lacks depthClamp, scalarBlockLayout") && Contains("'card B' lacks") &&
+                 Contains("'software' does not match"));
 }
 
 TEST_CASE("where there is no driver, the message says what to install and the list is empty") {

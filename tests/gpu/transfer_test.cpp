@@ -173,7 +173,7 @@ TEST_CASE("overlapping pieces of one batch are written in order") {
 }
 
 TEST_CASE("uploads wait for reads that were submitted earlier") {
-  const Buffer buffer = deviceBuffer(4096), copy = deviceBuffer(4096);
+  const Buffer buffer = deviceBuffer(4096), bufferCopy = deviceBuffer(4096), imageCopy = deviceBuffer(4096);
   const GpuImage image = texture(VK_FORMAT_R8_UNORM, {64, 64});
   const Bytes before = pattern(4096, 1), after = pattern(4096, 2);
   Uploader uploader(testDevice());
@@ -181,15 +181,19 @@ TEST_CASE("uploads wait for reads that were submitted earlier") {
   uploader.image(image, 0, 0, {64, 64}, before);
   uploader.flush();
   const test::CommandBuffers commands(testDevice(), 1);
-  commands.submit(0, [&](VkCommandBuffer read) {
+  commands.submit(0, [&](VkCommandBuffer frame) {
     const VkBufferCopy region{0, 0, 4096};
-    vkCmdCopyBuffer(read, buffer.get(), copy.get(), 1, &region);
-    transition(read, image.get(), use::kSampled, use::kSampled);
+    vkCmdCopyBuffer(frame, buffer.get(), bufferCopy.get(), 1, &region);
+    transition(frame, image.get(), use::kSampled, use::kTransferSource);
+    const VkBufferImageCopy imageRegion{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                        .imageExtent = {64, 64, 1}};
+    vkCmdCopyImageToBuffer(frame, image.get(), use::kTransferSource.layout, imageCopy.get(), 1, &imageRegion);
   });
   uploader.buffer(buffer, 0, after);
   uploader.image(image, 0, 0, {64, 64}, after);
   uploader.flush();
-  CHECK(readBuffer(testDevice(), copy) == before);
+  CHECK(readBuffer(testDevice(), bufferCopy) == before);
+  CHECK(readBuffer(testDevice(), imageCopy) == before);
   CHECK(readBuffer(testDevice(), buffer) == after);
   CHECK(read(image, {64, 64}, 1) == after);
 }
@@ -213,6 +217,9 @@ TEST_CASE("buffers and images move") {
   CHECK(c.get() == handle);
   CHECK(c.size() == 64);
   CHECK(readBuffer(testDevice(), c) == bytes);
+  Buffer& same = c;
+  c = std::move(same);
+  CHECK(readBuffer(testDevice(), c) == bytes);
   a = deviceBuffer(16);
   CHECK(a.size() == 16);
 
@@ -223,8 +230,4 @@ TEST_CASE("buffers and images move") {
   CHECK(other.get() == imageHandle);
   CHECK(other.view() != VK_NULL_HANDLE);
   CHECK(image.get() == VK_NULL_HANDLE);
-
-  Handle<VkBuffer, vkDestroyBuffer> none;
-  none = std::move(none);
-  CHECK(none.get() == VK_NULL_HANDLE);
 }

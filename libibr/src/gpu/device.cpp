@@ -49,7 +49,10 @@ Device Device::create(const DeviceOptions& options) {
   instanceExtensions.insert(instanceExtensions.end(), options.instanceExtensions.begin(),
                             options.instanceExtensions.end());
   auto state = std::make_unique<State>(options, instanceExtensions);
-  state->physicalDevice = choose(state->instance, options);
+  const std::vector<VkPhysicalDevice> devices = physicalDevices(state->instance);
+  std::vector<DeviceDescription> descriptions;
+  for (const VkPhysicalDevice device : devices) descriptions.push_back(describe(device, options.deviceExtensions));
+  state->physicalDevice = devices[choose(descriptions, options.device)];
   state->queueFamily = ibr::queueFamily(state->physicalDevice).value();
   state->describeDevice();
 

@@ -168,27 +168,23 @@ std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device) {
   return std::nullopt;
 }
 
-VkPhysicalDevice choose(VkInstance instance, const DeviceOptions& options) {
+std::size_t choose(std::span<const DeviceDescription> devices, const std::string& option) {
   const char* environment = std::getenv("IBR_DEVICE");
-  const bool fromEnvironment = options.device.empty() && environment && *environment;
-  const std::string wish = fromEnvironment ? environment : options.device;
+  const bool fromEnvironment = option.empty() && environment && *environment;
+  const std::string wish = fromEnvironment ? environment : option;
 
-  const auto devices = physicalDevices(instance);
   std::vector<std::string> rejected;
-  int best = -1, bestRank = 0;
+  std::optional<std::size_t> best;
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    const DeviceDescription device = describe(devices[i], options.deviceExtensions);
-    const bool wanted = wish.empty() || matches(wish, i, devices.size(), device.name);
-    if (!wanted)
+    const DeviceDescription& device = devices[i];
+    if (!wish.empty() && !matches(wish, i, devices.size(), device.name))
       rejected.push_back(fmt::format("{} '{}' does not match", i, device.name));
     else if (!device.lacking.empty())
       rejected.push_back(fmt::format("{} '{}' lacks {}", i, device.name, fmt::join(device.lacking, ", ")));
-    else if (best < 0 || typeRank(device.type) < bestRank) {
-      best = int(i);
-      bestRank = typeRank(device.type);
-    }
+    else if (!best || typeRank(device.type) < typeRank(devices[*best].type))
+      best = i;
   }
-  if (best >= 0) return devices[std::size_t(best)];
+  if (best) return *best;
   fail(ErrorCode::unsupported, "no usable Vulkan device{}: {}",
        wish.empty() ? std::string() : fmt::format(" '{}'{}", wish, fromEnvironment ? " (IBR_DEVICE)" : ""),
        rejected.empty() ? "the drivers have none" : fmt::format("{}", fmt::join(rejected, "; ")));

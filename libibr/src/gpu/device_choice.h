@@ -4,6 +4,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -26,8 +27,8 @@ std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint
 /// The first that serves, if any.
 std::optional<std::uint32_t> queueFamily(VkPhysicalDevice device);
 
-/// By options.device, else IBR_DEVICE, else by type. Throws Error{unsupported} that names all devices and why each was
-/// rejected.
-VkPhysicalDevice choose(VkInstance instance, const DeviceOptions& options);
+/// The index of the device that `option` wishes (index or part of the name), else IBR_DEVICE, else by type: discrete
+/// GPU, integrated, virtual, CPU. Throws Error{unsupported} that names all devices and why each was rejected.
+std::size_t choose(std::span<const DeviceDescription> devices, const std::string& option);
 
 }  // namespace ibr
