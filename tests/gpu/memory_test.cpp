@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <string>
+#include <utility>
 
 #include "gpu/buffer.h"
 #include "gpu/gpu_image.h"
@@ -19,6 +20,7 @@ using test::testDevice;
 namespace {
 
 int callsUntilFailure = -1;  // negative: none fails
+VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
 
 bool failsNow() {
   return callsUntilFailure >= 0 && callsUntilFailure-- == 0;
@@ -32,10 +34,10 @@ Function next(const char* name) {
 }  // namespace
 
 // The library is linked with these instead of the loader's; each hands on to the loader unless it is its turn to fail.
-#define IBR_MAY_FAIL(name, parameters, arguments)                       \
-  extern "C" VKAPI_ATTR VkResult VKAPI_CALL name parameters {           \
-    static const auto real = next<PFN_##name>(#name);                   \
-    return failsNow() ? VK_ERROR_OUT_OF_DEVICE_MEMORY : real arguments; \
+#define IBR_MAY_FAIL(name, parameters, arguments)             \
+  extern "C" VKAPI_ATTR VkResult VKAPI_CALL name parameters { \
+    static const auto real = next<PFN_##name>(#name);         \
+    return failsNow() ? failure : real arguments;             \
   }
 #define IBR_CREATE_MAY_FAIL(name, Info, Object)                                                                    \
   IBR_MAY_FAIL(name, (VkDevice device, const Info* info, const VkAllocationCallbacks* allocation, Object* object), \
@@ -93,10 +95,11 @@ IBR_MAY_FAIL(vkWaitForFences,
 
 namespace {
 
-/// Calls with the 1st, 2nd, … call of Vulkan failing, until it succeeds; returns the number of failures. Each must be
-/// an Error{outOfMemory}, after which everything works.
+/// Calls with the 1st, 2nd, … call of Vulkan failing with `result`, until it succeeds; returns the number of failures.
+/// Each must be an Error{code}, after which everything works.
 template <class Call>
-int failEachCall(Call call) {
+int failEachCall(VkResult result, ErrorCode code, Call call) {
+  failure = result;
   for (int n = 0;; ++n) {
     callsUntilFailure = n;
     bool failed = false;
@@ -105,7 +108,7 @@ int failEachCall(Call call) {
     } catch (const Error& error) {
       failed = true;
       INFO("call " << n << ": " << error.what());
-      CHECK(error.code() == ErrorCode::outOfMemory);
+      CHECK(error.code() == code);
     }
     const bool reached = callsUntilFailure < 0;
     callsUntilFailure = -1;
@@ -178,17 +181,30 @@ TEST_CASE("images beyond the device's limits are refused with the limit") {
   CHECK_THAT(refusal(info), Contains("VkFormat 9"));
 }
 
-TEST_CASE("whichever call fails for want of memory, it is an error, nothing leaks and the next picture is right") {
+TEST_CASE("whichever call fails, it is an error, nothing leaks and the next picture is right") {
+  const auto [result, code] = GENERATE(std::pair(VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::outOfMemory),
+                                       std::pair(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory),
+                                       std::pair(VK_ERROR_DEVICE_LOST, ErrorCode::deviceLost));
   const Device device = Device::create({.validation = true, .log = test::testLog()});  // its end tells of leaks
   Image8 picture;
-  const int failures = failEachCall([&] { picture = test::samplePicture(device); });
+  const int failures = failEachCall(result, code, [&] { picture = test::samplePicture(device); });
   CHECK(picture == test::expectedPicture());
   CHECK(failures > 40);  // or the calls are not ours
 }
 
 TEST_CASE("whichever call fails, a device is made whole or not at all") {
-  const int failures = failEachCall([] { Device::create({.validation = true, .log = test::testLog()}); });
+  const int failures = failEachCall(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,
+                                    [] { Device::create({.validation = true, .log = test::testLog()}); });
   CHECK(failures > 2);
+}
+
+TEST_CASE("drivers that find no device are no fault of the list's") {
+  failure = VK_ERROR_INITIALIZATION_FAILED;  // of the second call, which asks for the devices
+  callsUntilFailure = 1;
+  CHECK(Device::list().empty());
+  callsUntilFailure = 1;
+  CHECK_THROWS_WITH(Device::create(), Contains("find none") && Contains("mesa-vulkan-drivers"));
+  callsUntilFailure = -1;
 }
 
 TEST_CASE("results are sorted into codes, and named") {

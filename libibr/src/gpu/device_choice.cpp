@@ -121,7 +121,9 @@ DeviceRequirements Device::requirements() {
 
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
   std::uint32_t count = 0;
-  vk(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
+  const VkResult result = vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  if (result == VK_ERROR_INITIALIZATION_FAILED) return {};  // the loader's word for drivers that find no device
+  vk(result, "vkEnumeratePhysicalDevices");
   std::vector<VkPhysicalDevice> devices(count);
   vk(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
   return devices;
@@ -187,7 +189,8 @@ std::size_t choose(std::span<const DeviceDescription> devices, const std::string
   if (best) return *best;
   fail(ErrorCode::unsupported, "no usable Vulkan device{}: {}",
        wish.empty() ? std::string() : fmt::format(" '{}'{}", wish, fromEnvironment ? " (IBR_DEVICE)" : ""),
-       rejected.empty() ? "the drivers have none" : fmt::format("{}", fmt::join(rejected, "; ")));
+       rejected.empty() ? "the drivers installed find none (Debian: mesa-vulkan-drivers has one that needs no GPU)"
+                        : fmt::format("{}", fmt::join(rejected, "; ")));
 }
 
 }  // namespace ibr
