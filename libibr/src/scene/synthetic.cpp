@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/synthetic.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "base/check.h"
+
+namespace ibr {
+namespace {
+
+// colour(x) = 127.5 + Σ sine_k sin(k·x) + cosine_k cos(k·x); amplitudes of a channel add up to at most 117.
+class Texture {
+ public:
+  explicit Texture(const TexturedPlane& plane) {
+    std::mt19937_64 random(plane.seed);
+    auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };  // the same with every standard library
+    for (Wave& wave : waves_) {
+      const double length = plane.wavelength * std::pow(4.0, uniform());
+      const double angle = 2.0 * std::numbers::pi * uniform();
+      wave.k = 2.0 * std::numbers::pi / length * glm::dvec2(std::cos(angle), std::sin(angle));
+      for (int c = 0; c < 3; ++c) {
+        const double phase = 2.0 * std::numbers::pi * uniform();
+        const double amplitude = (0.5 + 0.5 * uniform()) * 117.0 / double(waves_.size());
+        wave.sine[c] = amplitude * std::sin(phase);
+        wave.cosine[c] = amplitude * std::cos(phase);
+      }
+    }
+  }
+
+  glm::dvec3 colour(glm::dvec2 at) const {
+    glm::dvec3 sum(127.5);
+    for (const Wave& wave : waves_) {
+      const double phase = wave.k.x * at.x + wave.k.y * at.y;
+      sum += wave.sine * std::sin(phase) + wave.cosine * std::cos(phase);
+    }
+    return sum;
+  }
+
+ private:
+  struct Wave {
+    glm::dvec2 k;
+    glm::dvec3 sine, cosine;
+  };
+  std::array<Wave, 5> waves_;
+};
+
+struct Hit {
+  std::size_t plane;
+  double distance;  // in lengths of the direction
+  glm::dvec2 at;    // in the plane, from its centre
+};
+
+std::optional<Hit> firstHit(const std::vector<TexturedPlane>& planes, glm::dvec3 from, glm::dvec3 direction) {
+  std::optional<Hit> first;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const TexturedPlane& plane = planes[i];
+    const glm::dvec3 normal = glm::cross(plane.u, plane.v), toCentre = plane.origin - from;
+    const double distance = glm::dot(normal, toCentre) / glm::dot(normal, direction);
+    if (!(distance > 0.0) || !std::isfinite(distance) || (first && distance >= first->distance)) continue;
+    const glm::dvec3 offset = distance * direction - toCentre;
+    const glm::dvec2 at(glm::dot(offset, plane.u), glm::dot(offset, plane.v));
+    if (2.0 * std::abs(at.x) <= plane.extentU && 2.0 * std::abs(at.y) <= plane.extentV) first = Hit{i, distance, at};
+  }
+  return first;
+}
+
+// Where a camera's rays start: everywhere the same for a scene at infinity.
+glm::dvec3 rayOrigin(const SyntheticScene& scene, const Camera& camera) {
+  return scene.centreOfInfinity.value_or(camera.pose.position);
+}
+
+glm::dvec3 worldRay(const Camera& camera, glm::dvec2 pixel) {
+  return camera.pose.rotation * unproject(camera.intrinsics, pixel);
+}
+
+// Where a camera sees a point that lies in `direction` from its ray origin; nullopt outside the picture.
+std::optional<glm::dvec2> pixelInside(const Camera& camera, glm::dvec3 direction) {
+  const Intrinsics& k = camera.intrinsics;
+  const auto pixel = project(k, glm::conjugate(camera.pose.rotation) * direction);
+  constexpr double kRounding = 1e-6;
+  if (!pixel || pixel->x < -kRounding || pixel->y < -kRounding || pixel->x > k.width + kRounding ||
+      pixel->y > k.height + kRounding)
+    return std::nullopt;
+  return pixel;
+}
+
+// The point that the first member sees at `pixel` and all others see too.
+struct Common {
+  std::size_t plane;
+  std::vector<glm::dvec2> match;
+  std::vector<double> distance;
+};
+
+std::optional<Common> commonPoint(const SyntheticScene& scene, const std::vector<std::uint32_t>& members,
+                                  glm::dvec2 pixel) {
+  const Camera& first = scene.scene.nodes[members[0]].camera;
+  const glm::dvec3 from = rayOrigin(scene, first), ray = worldRay(first, pixel);
+  const auto hit = firstHit(scene.planes, from, ray);
+  if (!hit) return std::nullopt;
+  const TexturedPlane& plane = scene.planes[hit->plane];
+  Common common{hit->plane, {pixel}, {hit->distance}};
+  for (std::size_t i = 1; i < members.size(); ++i) {
+    const Camera& camera = scene.scene.nodes[members[i]].camera;
+    const glm::dvec3 origin = rayOrigin(scene, camera);
+    const glm::dvec3 direction = (plane.origin - origin) + plane.u * hit->at.x + plane.v * hit->at.y;
+    const auto match = pixelInside(camera, direction);
+    if (!match) return std::nullopt;
+    const auto seen = firstHit(scene.planes, origin, direction);
+    if (!seen || seen->plane != hit->plane) return std::nullopt;
+    common.match.push_back(*match);
+    common.distance.push_back(glm::length(direction));
+  }
+  return common;
+}
+
+void addVertex(MorphMesh& mesh, const Common& common, bool atInfinity) {
+  const double mean =
+      std::accumulate(common.distance.begin(), common.distance.end(), 0.0) / double(common.match.size());
+  for (std::size_t i = 0; i < common.match.size(); ++i) {
+    mesh.match[i].emplace_back(common.match[i]);
+    mesh.ratio[i].push_back(atInfinity ? 1.0f : float(common.distance[i] / mean));
+  }
+  mesh.inverseDistance.push_back(atInfinity ? 0.0f : float(1.0 / mean));
+  mesh.uncertainty.push_back(0.0f);
+}
+
+MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>& members, int step) {
+  const Intrinsics& k = scene.scene.nodes[members[0]].camera.intrinsics;
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  Image<std::size_t> plane(k.width + 1, k.height + 1, 1, kNone);
+  for (int y = 0; y <= k.height; ++y)
+    for (int x = 0; x <= k.width; ++x)
+      if (const auto common = commonPoint(scene, members, {x, y})) plane.pixel(x, y)[0] = common->plane;
+
+  MorphMesh mesh;
+  mesh.match.resize(members.size());
+  mesh.ratio.resize(members.size());
+  Image<std::uint32_t> vertex(k.width + 1, k.height + 1, 1, std::numeric_limits<std::uint32_t>::max());
+  auto vertexAt = [&](int x, int y) {
+    std::uint32_t& index = vertex.pixel(x, y)[0];
+    if (index == std::numeric_limits<std::uint32_t>::max()) {
+      index = std::uint32_t(mesh.pointCount());
+      addVertex(mesh, *commonPoint(scene, members, {x, y}), scene.centreOfInfinity.has_value());
+    }
+    return index;
+  };
+  auto uniform = [&](int x0, int y0, int x1, int y1) {
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x)
+        if (plane.pixel(x, y)[0] == kNone || plane.pixel(x, y)[0] != plane.pixel(x0, y0)[0]) return false;
+    return true;
+  };
+  for (int y0 = 0; y0 < k.height; y0 += step)
+    for (int x0 = 0; x0 < k.width; x0 += step) {
+      const int x1 = std::min(x0 + step, k.width), y1 = std::min(y0 + step, k.height);
+      if (!uniform(x0, y0, x1, y1)) continue;
+      const std::uint32_t a = vertexAt(x0, y0), b = vertexAt(x1, y0), c = vertexAt(x0, y1), d = vertexAt(x1, y1);
+      mesh.triangles.insert(mesh.triangles.end(), {{a, c, b}, {b, c, d}});
+    }
+  mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
+  mesh.ecc.assign(mesh.triangles.size(), 1.0f);
+  return mesh;
+}
+
+}  // namespace
+
+glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at) {
+  return Texture(plane).colour(at);
+}
+
+SyntheticScene makeScene(const SyntheticOptions& options) {
+  check(options.gridStep >= 1 && options.samplesPerAxis >= 1, ErrorCode::invalidInput,
+        "synthetic scene: grid step {} or {} samples per axis below 1", options.gridStep, options.samplesPerAxis);
+  SyntheticScene result;
+  result.planes = options.planes;
+  result.scene.acquisition = "synthetic";
+  glm::dvec3 sum(0.0);
+  for (std::size_t i = 0; i < options.cameras.size(); ++i) {
+    const std::string name = fmt::format("view{}", i);
+    result.scene.nodes.push_back({name, options.cameras[i], "images/" + name + ".png", "textures/" + name + ".ktx2"});
+    sum += options.cameras[i].pose.position;
+  }
+  if (options.atInfinity) result.centreOfInfinity = sum / double(std::max<std::size_t>(1, options.cameras.size()));
+
+  std::vector<std::vector<std::uint32_t>> cells = options.cells;
+  if (cells.empty()) {
+    cells.emplace_back(options.cameras.size());
+    std::iota(cells[0].begin(), cells[0].end(), 0u);
+  }
+  for (const auto& members : cells) {
+    check(members.size() >= 2 && members.size() <= 4, ErrorCode::invalidInput,
+          "synthetic scene: a cell with {} members, not 2 to 4", members.size());
+    for (std::uint32_t member : members)
+      check(member < options.cameras.size(), ErrorCode::invalidInput, "synthetic scene: member {} of {} cameras",
+            member, options.cameras.size());
+    Cell cell;
+    cell.members = members;
+    cell.mesh = makeMesh(result, members, options.gridStep);
+    result.scene.cells.push_back(std::move(cell));
+  }
+  for (const Camera& camera : options.cameras)
+    result.photographs.push_back(renderTruth(result, camera, options.samplesPerAxis));
+  return result;
+}
+
+Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int samplesPerAxis) {
+  const std::vector<Texture> textures(scene.planes.begin(), scene.planes.end());
+  const glm::dvec3 from = rayOrigin(scene, camera);
+  Image8 image(camera.intrinsics.width, camera.intrinsics.height, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      glm::dvec3 sum(0.0);
+      for (int j = 0; j < samplesPerAxis; ++j)
+        for (int i = 0; i < samplesPerAxis; ++i) {
+          const glm::dvec2 pixel(x + (i + 0.5) / samplesPerAxis, y + (j + 0.5) / samplesPerAxis);
+          const auto hit = firstHit(scene.planes, from, worldRay(camera, pixel));
+          if (hit) sum += textures[hit->plane].colour(hit->at);
+        }
+      const glm::dvec3 mean = sum / double(samplesPerAxis * samplesPerAxis);
+      for (int c = 0; c < 3; ++c) image.pixel(x, y)[std::size_t(c)] = std::uint8_t(std::lround(mean[c]));
+    }
+  return image;
+}
+
+ImageF renderDepth(const SyntheticScene& scene, const Camera& camera) {
+  ImageF depth(camera.intrinsics.width, camera.intrinsics.height, 1, std::numeric_limits<float>::infinity());
+  if (scene.centreOfInfinity) return depth;
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) {
+      const glm::dvec3 ray = worldRay(camera, {x + 0.5, y + 0.5});
+      const double along = camera.intrinsics.model == CameraModel::pinhole ? glm::dot(ray, viewAxis(camera.pose)) : 1.0;
+      if (const auto hit = firstHit(scene.planes, camera.pose.position, ray))
+        depth.pixel(x, y)[0] = float(hit->distance * along);
+    }
+  return depth;
+}
+
+}  // namespace ibr

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Generated scenes with exact truth: textured planes, seen by given cameras, with a morphing mesh whose every number is
+// computed from the geometry. For tests and for `ibr synth`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "ibr/image.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// A rectangle with a band-limited texture: waves of lengths `wavelength` to 4·`wavelength`, values within 10 to 245.
+/// Seen from both sides.
+struct TexturedPlane {
+  glm::dvec3 origin{0.0};           // the rectangle's centre, world
+  glm::dvec3 u{1.0, 0.0, 0.0};      // unit, along its width
+  glm::dvec3 v{0.0, 1.0, 0.0};      // unit, perpendicular to u
+  double extentU = 1, extentV = 1;  // width and height, world units
+  std::uint64_t seed = 1;           // of the texture
+  double wavelength = 0.1;          // shortest of the texture, world units
+};
+
+struct SyntheticOptions {
+  std::vector<Camera> cameras;
+  std::vector<TexturedPlane> planes;
+  std::vector<std::vector<std::uint32_t>> cells;  // member lists; empty: one cell of all cameras
+  int gridStep = 32;                              // px between vertices in the picture of a cell's first member
+  bool atInfinity = false;  // planes are a backdrop around the cameras' mean centre, seen the same way from anywhere
+  int samplesPerAxis = 4;   // of the photographs
+};
+
+struct SyntheticScene {
+  Scene scene;                      // nodes "view0", "view1", …; cells of tier 0, uncertainty 0, ecc 1
+  std::vector<Image8> photographs;  // RGB, one a node
+  std::vector<TexturedPlane> planes;
+  std::optional<glm::dvec3> centreOfInfinity;  // set by SyntheticOptions::atInfinity
+};
+
+/// Vertices stand on a pixel grid of the first member, where the plane is the first thing that every member sees; no
+/// triangle crosses planes or covers something nearer (looked at pixel by pixel). ρ is the inverse of the mean
+/// distance. Throws Error{invalidInput} for a cell without 2 to 4 members, or a grid step below 1.
+SyntheticScene makeScene(const SyntheticOptions& options);
+
+/// What a camera would photograph: RGB, the mean of samplesPerAxis² samples a pixel (of display-encoded values, as
+/// renderers here blend them), black where there is no plane.
+Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int samplesPerAxis = 4);
+
+/// One channel: distance along the viewing axis (equirectangular: along the ray) of what is seen at pixel centres,
+/// world units; infinity where there is no plane or the scene is at infinity.
+ImageF renderDepth(const SyntheticScene& scene, const Camera& camera);
+
+/// RGB in [10, 245] of the texture at (along u, along v) from the rectangle's centre, world units.
+glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at);
+
+}  // namespace ibr
