@@ -17,27 +17,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+struct Tolerance {
+  int levels = 0;      // a difference up to this counts as equal
+  double percent = 0;  // so many pixels may differ by more
+  int largest = 0;     // and none by more than this
+};
+
 struct Options {
   std::string a, b, output;
-  std::vector<std::string> tolerance;
+  std::optional<Tolerance> tolerance;
   int gain = 4;
 };
 
-struct Tolerance {
-  int levels;      // a difference up to this counts as equal
-  double percent;  // so many pixels may differ by more
-  int largest;     // and none by more than this
-};
-
-std::optional<Tolerance> toleranceOf(const std::vector<std::string>& words) {
-  if (words.empty()) return std::nullopt;
-  constexpr auto kName = "--tolerance";
-  return Tolerance{int(parsedInt(kName, words[0], 0, 255)), parsedDouble(kName, words[1], 0, 100),
-                   int(parsedInt(kName, words[2], 0, 255))};
-}
-
 ExitCode comparePictures(const Options& options, const Context& context) {
-  const auto tolerance = toleranceOf(options.tolerance);
+  const auto& tolerance = options.tolerance;
   const Image8 a = readImage(options.a), b = readImage(options.b);
   check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput, "{} is {}×{} px, but {} {}×{}", options.a,
         a.width, a.height, options.b, b.width, b.height);
@@ -81,9 +74,16 @@ const Command kCompareCommand{
       const auto options = std::make_shared<Options>();
       app.add_option("A", options->a, "Picture")->required();
       app.add_option("B", options->b, "Picture of the same size")->required();
-      app.add_option("--tolerance", options->tolerance,
-                     "At most PERCENT of the pixels may differ by more than LEVELS, and none by more than LARGEST "
-                     "(levels of 0 to 255)")
+      app.add_option_function<std::vector<std::string>>(
+             "--tolerance",
+             [options](const std::vector<std::string>& words) {
+               constexpr auto kName = "--tolerance";
+               options->tolerance = {int(parsedInt(kName, words.at(0), 0, 255)),
+                                     parsedDouble(kName, words.at(1), 0, 100),
+                                     int(parsedInt(kName, words.at(2), 0, 255))};
+             },
+             "At most PERCENT of the pixels may differ by more than LEVELS, and none by more than LARGEST "
+             "(levels of 0 to 255)")
           ->expected(3)
           ->type_name("LEVELS PERCENT LARGEST");
       app.add_option("-o,--output", options->output, "Write the absolute difference as a picture")->type_name("FILE");

@@ -44,6 +44,7 @@ std::string helpText(const Command& command) {
   for (const char c : std::string_view(command.examples)) text += c == '\n' ? std::string("\n  ") : std::string(1, c);
   text += fmt::format("\n\n{}.", command.summary);
   if (*command.details) text += fmt::format("\n\n{}", command.details);
+  text += '\n';
   return text;
 }
 
@@ -78,7 +79,7 @@ ExitCode run(int argc, char** argv) {
       "  ibr build photographs -o scene\n"
       "  ibr render scene --path auto:90 -o pictures\n"
       "  ibr eval scene --truth held-out\n\n"
-      "ibr makes new views from photographs whose poses are known.",
+      "ibr makes new views from photographs whose poses are known.\n",
       "ibr");
   app.set_version_flag("--version", "ibr " IBR_VERSION);
   app.require_subcommand(1);
@@ -109,8 +110,11 @@ ExitCode run(int argc, char** argv) {
     return kExitOk;
   } catch (const CLI::ParseError& e) {
     const Declared* sub = chosen();
-    const std::string name = sub ? std::string("ibr ") + sub->command->name : "ibr";
-    return complain(fmt::format("{}\nibr: {} --help shows what there is", e.what(), name), kExitCommandLine);
+    const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
+    return complain(fmt::format("{}\nibr: ibr {}--help shows what there is",
+                                unknown ? fmt::format("'{}' is no command", argv[1]) : std::string(e.what()),
+                                sub ? sub->command->name + std::string(" ") : std::string()),
+                    kExitCommandLine);
   }
 
   const Context context(common);
