@@ -110,9 +110,12 @@ void sortIntoTour(std::vector<Station>& stations) {
     return glm::dot(axis, a.position) < glm::dot(axis, b.position);
   };
   std::ranges::stable_sort(stations, along);
-  if (off < kNearlyLine) return;
-  nearestNeighbours(stations);
-  if (stations.size() <= kMost2Opt) untangle(stations);
+  if (off >= kNearlyLine) {
+    nearestNeighbours(stations);
+    if (stations.size() <= kMost2Opt) untangle(stations);
+  }
+  // From the earlier photograph to the later: who walked, walked that way.
+  if (stations.front().nodes.front() > stations.back().nodes.front()) std::ranges::reverse(stations);
 }
 
 struct Look {
