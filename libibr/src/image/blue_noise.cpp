@@ -4,8 +4,8 @@
 //   1. start from a tenth of random ones; move the tightest cluster into the largest void until they are the same place
 //   2. rank these ones backwards by removing the tightest cluster; rank the rest forwards by filling the largest void
 //
-// Departure: past one half Ulichney swaps the meaning of ones and zeros. Filling voids to the end gives the same spectrum
-// at our sizes and needs no third phase.
+// Departure: past one half Ulichney swaps the meaning of ones and zeros. Filling voids to the end gives the same
+// spectrum at our sizes and needs no third phase.
 #include "image/blue_noise.h"
 
 #include <algorithm>
@@ -41,8 +41,12 @@ class Energy {
     }
   }
 
-  std::size_t tightestCluster() const { return extreme(true, [](double a, double b) { return a > b; }); }
-  std::size_t largestVoid() const { return extreme(false, [](double a, double b) { return a < b; }); }
+  std::size_t tightestCluster() const {
+    return extreme(true, [](double a, double b) { return a > b; });
+  }
+  std::size_t largestVoid() const {
+    return extreme(false, [](double a, double b) { return a < b; });
+  }
 
  private:
   template <class Better>

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// JSON read with care: every value is fetched by a getter that checks its kind and range and names its place.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace ibr {
+
+/// A fault at a JSON pointer (RFC 6901).
+class JsonFault : public std::runtime_error {
+ public:
+  JsonFault(std::string pointer, const std::string& message)
+      : std::runtime_error(message), pointer_(std::move(pointer)) {}
+  const std::string& pointer() const noexcept { return pointer_; }
+
+ private:
+  std::string pointer_;
+};
+
+/// Parses a text of at most 64 levels in which no object has a key twice. Throws JsonFault, with the line and column of
+/// a syntax error in the message.
+nlohmann::json parseJson(std::string_view text);
+
+/// A value and where it stands. Getters throw JsonFault. Cheap to copy; the document must outlive it.
+class JsonValue {
+ public:
+  explicit JsonValue(const nlohmann::json& value, std::string pointer = {})
+      : value_(&value), pointer_(std::move(pointer)) {}
+
+  const std::string& pointer() const { return pointer_; }
+  const nlohmann::json& raw() const { return *value_; }
+  [[noreturn]] void fault(const std::string& message) const { throw JsonFault(pointer_, message); }
+
+  bool has(const char* key) const;                                  // of an object
+  JsonValue operator[](const char* key) const;                      // member of an object; a missing one is a fault
+  JsonValue at(std::size_t index) const;                            // element of an array
+  std::size_t size() const;                                         // of an array
+  double number() const;                                            // finite
+  std::int64_t integer(std::int64_t low, std::int64_t high) const;  // 3.0 is none
+  std::size_t index(std::size_t count) const;                       // 0 … count − 1
+  std::string string() const;
+
+ private:
+  const nlohmann::json* value_;
+  std::string pointer_;
+};
+
+}  // namespace ibr

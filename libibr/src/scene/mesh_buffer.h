@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A morphing mesh as the bytes of one buffer file: what scene.gltf points into, and what an interrupted build keeps.
+//
+// Arrays one after another, little-endian, each aligned to 4 bytes:
+//   TEXCOORD_i    member by member: 2 floats a point, match / picture size
+//   _RATIO        d floats a point
+//   _INVERSE_DISTANCE, _UNCERTAINTY   a float a point
+//   POSITION      3 floats a point, relative to the members' mean position; for display
+//   ecc           a float a triangle
+//   indices       3 a triangle, tier 0 first; 16 bits up to 65,535 points, else 32
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// Numbers that fix where everything lies.
+struct MeshLayout {
+  std::size_t members = 0, points = 0, tier0 = 0, tier1 = 0;
+
+  struct Array {
+    std::size_t offset = 0, bytes = 0;
+  };
+  bool wideIndices() const { return points > 65535; }
+  std::size_t indexBytes() const { return wideIndices() ? 4 : 2; }
+  Array textureCoordinates(std::size_t member) const { return {member * points * 8, points * 8}; }
+  Array ratio() const { return {members * points * 8, members * points * 4}; }
+  Array inverseDistance() const { return {members * points * 12, points * 4}; }
+  Array uncertainty() const { return {members * points * 12 + points * 4, points * 4}; }
+  Array position() const { return {members * points * 12 + points * 8, points * 12}; }
+  Array ecc(int tier) const {
+    return {members * points * 12 + points * 20 + (tier == 0 ? 0 : tier0 * 4), (tier == 0 ? tier0 : tier1) * 4};
+  }
+  Array indices(int tier) const {
+    const std::size_t start = members * points * 12 + points * 20 + (tier0 + tier1) * 4;
+    const std::size_t first = (tier0 * 3 * indexBytes() + 3) & ~std::size_t(3);
+    return {start + (tier == 0 ? 0 : first), (tier == 0 ? tier0 : tier1) * 3 * indexBytes()};
+  }
+  std::size_t bytes() const { return (indices(1).offset + indices(1).bytes + 3) & ~std::size_t(3); }
+};
+
+MeshLayout layoutOf(const MorphMesh& mesh);
+
+/// The grid that matches are stored on: 2⁻⁹ px, 2⁻⁷ px in pictures with a side beyond 16384 px. On it a match survives
+/// the way through float texture coordinates exactly.
+float storedMatch(float pixel, int side);
+float textureCoordinate(float pixel, int side);
+float matchFromTexture(float coordinate, int side);
+
+/// Where a cell's vertices are drawn by viewers that do not know the extension, relative to `displayOrigin`. A point at
+/// infinity stands at 1000 times the cell's longest edge (1000 where that is 0).
+glm::dvec3 displayOrigin(const Scene& scene, const Cell& cell);
+std::vector<glm::vec3> displayPositions(const Scene& scene, const Cell& cell);
+
+/// Matches are rounded to the grid. Precondition: validate(scene) is empty.
+std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell);
+
+/// The inverse for bytes that encodeMesh made; `sizes`: width and height of the members' pictures. Indices are checked,
+/// values are not. Throws Error{invalidInput} where the number of bytes is not that of the layout.
+MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout, std::span<const glm::ivec2> sizes);
+
+}  // namespace ibr

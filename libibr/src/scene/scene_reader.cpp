@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads scene.gltf and the cells' buffers. Nothing in them is trusted: every number is checked where it is read, every
+// file reference stays inside the scene's folder, every accessor inside its buffer.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "ibr/scene.h"
+#include "image/ktx2.h"
+#include "scene/json_check.h"
+#include "scene/mesh_buffer.h"
+#include "scene/scene_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+using Bytes = std::vector<std::byte>;
+
+constexpr std::int64_t kLargestCount = std::int64_t(1) << 32;
+
+double positive(const JsonValue& value) {
+  const double number = value.number();
+  if (!(number > 0)) value.fault(fmt::format("{} is not positive", number));
+  return number;
+}
+
+glm::dvec3 vector3(const JsonValue& value) {
+  if (value.size() != 3) value.fault("is not a list of three numbers");
+  return {value.at(0).number(), value.at(1).number(), value.at(2).number()};
+}
+
+glm::dquat quaternion(const JsonValue& value) {
+  if (value.size() != 4) value.fault("is not a list of four numbers");
+  const glm::dquat q(value.at(3).number(), value.at(0).number(), value.at(1).number(), value.at(2).number());
+  const double length = glm::length(q);
+  if (!(std::abs(length - 1.0) <= 1e-3)) value.fault(fmt::format("has length {}, not 1", length));
+  // Left alone where it is exact, so that what is written comes back bit for bit.
+  return std::abs(length - 1.0) <= 1e-15 ? q : q / length;
+}
+
+class Reader {
+ public:
+  explicit Reader(const fs::path& path)
+      : file_(fs::is_directory(path) ? path / kSceneFileName : path),
+        folder_(file_.has_parent_path() ? file_.parent_path() : fs::path(".")),
+        document_(parseJson(readTextFile(file_))),
+        root_(document_) {
+    if (const JsonValue version = root_["asset"]["version"]; !version.string().starts_with("2."))
+      version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
+    if (!root_.has("nodes")) return;
+    for (std::size_t n = 0; n < root_["nodes"].size(); ++n)
+      if (const JsonValue node = root_["nodes"].at(n); node.has("children"))
+        for (std::size_t c = 0; c < node["children"].size(); ++c)
+          children_.insert(element("nodes", node["children"].at(c)).pointer());
+  }
+
+  const fs::path& file() const { return file_; }
+
+  JsonValue extension() const {
+    const JsonValue extension = root_["extensions"][kSceneExtension];
+    if (const JsonValue version = extension["version"]; version.integer(1, INT32_MAX) > kSceneVersion)
+      version.fault(
+          fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), kSceneVersion));
+    return extension;
+  }
+
+  void facts(Scene& scene) const {
+    const JsonValue extension = this->extension();
+    scene.folder = folder_;
+    if (extension.has("acquisition")) scene.acquisition = extension["acquisition"].string();
+    if (extension.has("settings")) scene.settings = extension["settings"].raw().dump();
+    if (extension.has("origin")) {
+      const JsonValue origin = extension["origin"];
+      scene.origin = GeographicOrigin{origin["latitudeDegrees"].number(), origin["longitudeDegrees"].number(),
+                                      origin["heightMetres"].number()};
+    }
+  }
+
+  Node node(const JsonValue& entry) const {
+    Node node;
+    const JsonValue json = element("nodes", entry["node"]);
+    if (children_.contains(json.pointer()))
+      entry["node"].fault(
+          fmt::format("{} is another node's child; a photograph's pose stands by itself", json.pointer()));
+    node.name = json["name"].string();
+    if (node.name.empty()) json["name"].fault("is empty");
+    for (const char* key : {"matrix", "scale"})
+      if (json.has(key)) json[key].fault("is not allowed: a camera has a position and a rotation");
+    if (json.has("translation")) node.camera.pose.position = vector3(json["translation"]);
+    if (json.has("rotation")) node.camera.pose.rotation = quaternion(json["rotation"]);
+    node.camera.intrinsics = intrinsics(entry["camera"]);
+    if (entry.has("image")) node.imageFile = reference(element("images", entry["image"])["uri"]);
+    if (entry.has("texture")) node.textureFile = reference(entry["texture"]["uri"]);
+    return node;
+  }
+
+  Cell cell(const JsonValue& entry, const Scene& scene, std::size_t least, std::size_t most) const {
+    Cell cell;
+    const JsonValue members = entry["members"];
+    if (members.size() < least || members.size() > most)
+      members.fault(fmt::format("has {} members, not {} to {}", members.size(), least, most));
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const auto member = std::uint32_t(members.at(i).index(scene.nodes.size()));
+      if (std::count(cell.members.begin(), cell.members.end(), member))
+        members.at(i).fault(fmt::format("node {} is a member twice", member));
+      cell.members.push_back(member);
+    }
+    cell.mesh.match.resize(cell.members.size());
+    cell.mesh.ratio.resize(cell.members.size());
+    if (entry.has("mesh")) mesh(entry, scene, cell);
+    if (entry.has("quality")) {
+      const JsonValue quality = entry["quality"];
+      if (quality.has("coverage")) cell.quality.coverage = quality["coverage"].number();
+      if (quality.has("ecc")) cell.quality.ecc = quality["ecc"].number();
+      if (quality.has("residualPx")) cell.quality.residualPx = quality["residualPx"].number();
+    }
+    return cell;
+  }
+
+  /// Below the scene's folder, as the file names it.
+  fs::path reference(const JsonValue& uri) const {
+    const std::string path = decodeUri(uri.string());
+    if (path.empty()) uri.fault(fmt::format("\"{}\" is not a relative path", uri.string()));
+    try {
+      pathInside(folder_, path);
+    } catch (const Error& e) {
+      uri.fault(e.what());
+    }
+    return path;
+  }
+
+ private:
+  struct Accessor {
+    JsonValue json;
+    Bytes bytes;  // count elements without gaps
+    std::size_t count, components, componentBytes;
+    float value(std::size_t element, std::size_t component) const {
+      float v;
+      std::memcpy(&v, &bytes[(element * components + component) * 4], 4);
+      return v;
+    }
+    std::uint32_t index(std::size_t i) const {
+      std::uint32_t v = 0;
+      std::memcpy(&v, &bytes[i * componentBytes], componentBytes);
+      return v;
+    }
+  };
+
+  // Element of a top-level list that `index` refers to.
+  JsonValue element(const char* list, const JsonValue& index) const {
+    if (!root_.has(list)) index.fault(fmt::format("refers to \"{}\", which is missing", list));
+    return root_[list].at(index.index(root_[list].size()));
+  }
+
+  static Intrinsics intrinsics(const JsonValue& json) {
+    Intrinsics k;
+    const std::string model = json["model"].string();
+    if (model != "PINHOLE" && model != "EQUIRECTANGULAR")
+      json["model"].fault(fmt::format("\"{}\" is neither PINHOLE nor EQUIRECTANGULAR", model));
+    k.width = int(json["width"].integer(1, 1 << 16));
+    k.height = int(json["height"].integer(1, 1 << 16));
+    if (model == "EQUIRECTANGULAR") {
+      k.model = CameraModel::equirectangular;
+      return k;
+    }
+    k.fx = positive(json["fx"]);
+    k.fy = positive(json["fy"]);
+    k.cx = json["cx"].number();
+    k.cy = json["cy"].number();
+    return k;
+  }
+
+  // The bytes of an accessor's elements, gathered over a stride. `types`: those allowed.
+  Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes) const {
+    const JsonValue json = element("accessors", index);
+    if (json["type"].string() != type) json["type"].fault(fmt::format("is {}, not {}", json["type"].string(), type));
+    const auto component = int(json["componentType"].integer(0, 65535));
+    if (std::find(componentTypes.begin(), componentTypes.end(), component) == componentTypes.end())
+      json["componentType"].fault(fmt::format("{} is not allowed here", component));
+    if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
+    if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
+    Accessor result{json, {}, std::size_t(json["count"].integer(1, kLargestCount)), 1, 4};
+    if (const std::string_view name = type; name.starts_with("VEC")) result.components = std::size_t(name[3] - '0');
+    result.componentBytes = component == 5123 ? 2 : 4;
+    const std::size_t element = result.components * result.componentBytes;
+
+    const JsonValue view = this->element("bufferViews", json["bufferView"]);
+    const std::size_t offset = optionalCount(json, "byteOffset"), start = optionalCount(view, "byteOffset");
+    const auto length = std::size_t(view["byteLength"].integer(1, kLargestCount));
+    const std::size_t stride = view.has("byteStride") ? std::size_t(view["byteStride"].integer(4, 252)) : element;
+    if (stride < element)
+      view["byteStride"].fault(fmt::format("{} is less than an element's {} bytes", stride, element));
+    if (offset + (result.count - 1) * stride + element > length)
+      json.fault(fmt::format("its {} elements reach beyond the buffer view's {} bytes", result.count, length));
+    const Bytes& buffer = this->buffer(view["buffer"]);
+    if (start + length > buffer.size())
+      view.fault(fmt::format("reaches to byte {} of a buffer of {}", start + length, buffer.size()));
+    result.bytes.resize(result.count * element);
+    for (std::size_t i = 0; i < result.count; ++i)
+      std::memcpy(&result.bytes[i * element], &buffer[start + offset + i * stride], element);
+    return result;
+  }
+
+  static std::size_t optionalCount(const JsonValue& json, const char* key) {
+    return json.has(key) ? std::size_t(json[key].integer(0, kLargestCount)) : 0;
+  }
+
+  // One buffer is kept: a cell's arrays are all in one.
+  const Bytes& buffer(const JsonValue& index) const {
+    const JsonValue json = element("buffers", index);
+    if (json.pointer() == bufferPointer_) return buffer_;
+    const auto length = std::size_t(json["byteLength"].integer(1, kLargestCount));
+    const fs::path path = folder_ / reference(json["uri"]);
+    bufferPointer_.clear();
+    buffer_ = readFile(path);
+    if (buffer_.size() < length)
+      json["byteLength"].fault(fmt::format("is {}, but {} has {} bytes", length, path.string(), buffer_.size()));
+    buffer_.resize(length);
+    bufferPointer_ = json.pointer();
+    return buffer_;
+  }
+
+  // Floats of one attribute, each checked.
+  template <class Check>
+  static std::vector<float> floats(const Accessor& a, std::size_t component, Check&& holds, const char* what) {
+    std::vector<float> values(a.count);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      values[i] = a.value(i, component);
+      if (!std::isfinite(values[i]) || !holds(values[i]))
+        a.json.fault(fmt::format("element {}: {} {}", i, values[i], what));
+    }
+    return values;
+  }
+
+  void mesh(const JsonValue& entry, const Scene& scene, Cell& cell) const {
+    const JsonValue primitives = element("meshes", entry["mesh"])["primitives"];
+    const JsonValue tiers = entry["tiers"], ecc = entry["ecc"];
+    if (primitives.size() < 1 || primitives.size() > 2) primitives.fault("are not one or two");
+    if (tiers.size() > primitives.size()) tiers.fault("has more elements than the mesh has primitives");
+    if (ecc.size() != tiers.size()) ecc.fault("has not as many elements as \"tiers\"");
+    vertices(primitives.at(0)["attributes"], scene, cell);
+    for (std::size_t k = 0; k < tiers.size(); ++k) {
+      const JsonValue primitive = primitives.at(k);
+      if (primitive["attributes"].raw() != primitives.at(0)["attributes"].raw())
+        primitive["attributes"].fault("differ from those of the first primitive");
+      if (primitive.has("mode") && primitive["mode"].integer(0, 6) != 4) primitive["mode"].fault("is not TRIANGLES");
+      const auto tier = tiers.at(k).integer(0, 1);
+      if (k > 0 && tier <= tiers.at(k - 1).integer(0, 1)) tiers.at(k).fault("is not greater than the one before");
+      triangles(primitive["indices"], ecc.at(k), std::uint8_t(tier), cell.mesh);
+    }
+  }
+
+  void vertices(const JsonValue& attributes, const Scene& scene, Cell& cell) const {
+    constexpr int kFloat = 5126;
+    constexpr std::array kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    const std::size_t d = cell.members.size();
+    MorphMesh& mesh = cell.mesh;
+    const auto any = [](float) { return true; };
+    const Accessor ratio = accessor(attributes["_RATIO"], kTypes[d - 1], {kFloat});
+    const std::size_t points = ratio.count;
+    const auto sized = [&](Accessor a) {
+      if (a.count != points) a.json["count"].fault(fmt::format("is {}, but _RATIO has {}", a.count, points));
+      return a;
+    };
+    for (std::size_t i = 0; i < d; ++i) {
+      mesh.ratio[i] = floats(
+          ratio, i, [](float v) { return v > 0; }, "is not positive");
+      const Accessor at = sized(accessor(attributes[fmt::format("TEXCOORD_{}", i).c_str()], "VEC2", {kFloat}));
+      const std::vector<float> u = floats(at, 0, any, "is not finite"), v = floats(at, 1, any, "is not finite");
+      const Intrinsics& k = scene.nodes[cell.members[i]].camera.intrinsics;
+      for (std::size_t p = 0; p < points; ++p)
+        mesh.match[i].emplace_back(matchFromTexture(u[p], k.width), matchFromTexture(v[p], k.height));
+    }
+    const auto notNegative = [](float v) { return v >= 0; };
+    mesh.inverseDistance = floats(sized(accessor(attributes["_INVERSE_DISTANCE"], "SCALAR", {kFloat})), 0, notNegative,
+                                  "is negative or not finite");
+    mesh.uncertainty = floats(sized(accessor(attributes["_UNCERTAINTY"], "SCALAR", {kFloat})), 0, notNegative,
+                              "is negative or not finite");
+    const Accessor position = sized(accessor(attributes["POSITION"], "VEC3", {kFloat}));
+    const std::vector<glm::vec3> derived = displayPositions(scene, cell);
+    for (std::size_t p = 0; p < points; ++p) {
+      const glm::vec3 stored(position.value(p, 0), position.value(p, 1), position.value(p, 2));
+      constexpr float kTolerance = 1e-3f;  // of the distance: floats, and writers that compute in another order
+      if (!(glm::distance(stored, derived[p]) <= kTolerance * glm::length(derived[p]) + 1e-6f))
+        position.json.fault(
+            fmt::format("element {}: ({}, {}, {}) is not what matches, ratios and inverse distance "
+                        "give: ({}, {}, {})",
+                        p, stored.x, stored.y, stored.z, derived[p].x, derived[p].y, derived[p].z));
+    }
+  }
+
+  void triangles(const JsonValue& indices, const JsonValue& ecc, std::uint8_t tier, MorphMesh& mesh) const {
+    const Accessor list = accessor(indices, "SCALAR", {5123, 5125});
+    if (list.count % 3 != 0) list.json["count"].fault(fmt::format("{} is not a multiple of 3", list.count));
+    const Accessor labels = accessor(ecc, "SCALAR", {5126});
+    if (labels.count != list.count / 3)
+      labels.json["count"].fault(fmt::format("is {}, but there are {} triangles", labels.count, list.count / 3));
+    const std::vector<float> values = floats(
+        labels, 0, [](float v) { return std::abs(v) <= 1; }, "is not within -1 to 1");
+    mesh.ecc.insert(mesh.ecc.end(), values.begin(), values.end());
+    for (std::size_t t = 0; t < list.count; t += 3) {
+      const glm::uvec3 v(list.index(t), list.index(t + 1), list.index(t + 2));
+      for (int k = 0; k < 3; ++k)
+        if (v[k] >= mesh.pointCount())
+          list.json.fault(
+              fmt::format("element {}: {} is beyond the {} points", t + std::size_t(k), v[k], mesh.pointCount()));
+      mesh.triangles.push_back(v);
+      mesh.tier.push_back(tier);
+    }
+  }
+
+  fs::path file_, folder_;
+  Json document_;
+  JsonValue root_;
+  std::set<std::string> children_;  // pointers of nodes that have a parent
+  mutable Bytes buffer_;
+  mutable std::string bufferPointer_;
+};
+
+// Calls `step`; a fault is thrown as an Error, or kept where faults are collected.
+class FaultSink {
+ public:
+  FaultSink(fs::path file, std::vector<Fault>* faults, std::size_t limit)
+      : file_(std::move(file)), faults_(faults), limit_(limit) {}
+
+  template <class Step>
+  bool run(Step&& step) {
+    try {
+      step();
+      return true;
+    } catch (const JsonFault& fault) {
+      if (!faults_)
+        fail(ErrorCode::invalidInput, "{}: {}{}{}", file_.string(), fault.pointer(),
+             fault.pointer().empty() ? "" : ": ", fault.what());
+      add(fault.pointer(), fault.what());
+    } catch (const Error& error) {
+      if (!faults_) throw;
+      add("", error.what());
+    }
+    return false;
+  }
+  void add(std::string field, std::string message) {
+    if (faults_->size() < limit_) faults_->push_back({std::move(field), std::move(message)});
+  }
+  bool full() const { return faults_ && faults_->size() >= limit_; }
+
+ private:
+  fs::path file_;
+  std::vector<Fault>* faults_;
+  std::size_t limit_;
+};
+
+// Everything that can be read; cells are left out where nodes are at fault, since they refer to them.
+Scene readAll(const Reader& reader, FaultSink& sink) {
+  Scene scene;
+  sink.run([&] { reader.facts(scene); });
+  bool whole = sink.run([&] {
+    const JsonValue photographs = reader.extension()["photographs"];
+    std::map<std::string, std::size_t> names;
+    for (std::size_t n = 0; n < photographs.size() && !sink.full(); ++n)
+      sink.run([&] {
+        scene.nodes.push_back(reader.node(photographs.at(n)));
+        if (const auto [first, isNew] = names.emplace(scene.nodes.back().name, n); !isNew)
+          photographs.at(n)["node"].fault(
+              fmt::format("\"{}\" is also the name of photograph {}", first->first, first->second));
+      });
+    if (scene.nodes.size() != photographs.size()) photographs.fault("has faults, so cells were not looked at");
+  });
+  if (!whole) return scene;
+  const auto read = [&](const char* list, std::size_t least, std::size_t most, std::vector<Cell>& cells) {
+    sink.run([&] {
+      const JsonValue entries = reader.extension()[list];
+      for (std::size_t c = 0; c < entries.size() && !sink.full(); ++c)
+        sink.run([&] { cells.push_back(reader.cell(entries.at(c), scene, least, most)); });
+    });
+  };
+  read("cells", 2, 4, scene.cells);
+  read("backdrops", 1, 1, scene.backdrops);
+  return scene;
+}
+
+void checkFiles(const Scene& scene, FaultSink& sink) {
+  for (std::size_t n = 0; n < scene.nodes.size() && !sink.full(); ++n) {
+    const Node& node = scene.nodes[n];
+    const std::string at = fmt::format("/extensions/{}/photographs/{}", kSceneExtension, n);
+    std::error_code ignored;
+    if (!node.imageFile.empty() && !fs::is_regular_file(scene.folder / node.imageFile, ignored))
+      sink.add(at + "/image", fmt::format("{} is missing", node.imageFile.string()));
+    if (node.textureFile.empty()) {
+      sink.add(at, "has no \"texture\", so nothing of it can be rendered");
+      continue;
+    }
+    sink.run([&] {
+      const std::vector<Image8> levels = readKtx2(scene.folder / node.textureFile);
+      const Intrinsics& k = node.camera.intrinsics;
+      if (levels[0].width != k.width || levels[0].height != k.height)
+        throw JsonFault(at + "/texture", fmt::format("{} is {}x{}, the camera {}x{}", node.textureFile.string(),
+                                                     levels[0].width, levels[0].height, k.width, k.height));
+    });
+  }
+}
+
+}  // namespace
+
+Scene loadScene(const fs::path& path) {
+  std::optional<Reader> reader;
+  FaultSink sink(path, nullptr, 0);
+  sink.run([&] { reader.emplace(path); });
+  FaultSink inFile(reader->file(), nullptr, 0);
+  Scene scene = readAll(*reader, inFile);
+  // The reader has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
+  if (const std::vector<Fault> faults = validate(scene, 1); !faults.empty())
+    fail(ErrorCode::invalidInput, "{}: {} {}", reader->file().string(), faults[0].field, faults[0].message);
+  return scene;
+}
+
+std::vector<Fault> validateSceneFiles(const fs::path& path, std::size_t limit) {
+  std::vector<Fault> faults;
+  std::optional<Reader> reader;
+  FaultSink sink(path, &faults, limit);
+  if (!sink.run([&] { reader.emplace(path); })) return faults;
+  const Scene scene = readAll(*reader, sink);
+  checkFiles(scene, sink);
+  if (faults.empty()) faults = validate(scene, limit);
+  return faults;
+}
+
+}  // namespace ibr
