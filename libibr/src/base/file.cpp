@@ -19,8 +19,7 @@ namespace {
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   ~Descriptor() { close(); }
   int get() const { return fd_; }
   bool close() {
@@ -32,26 +31,42 @@ class Descriptor {
   int fd_;
 };
 
-template <class Container>
-Container readWhole(const fs::path& path, std::uint64_t limit) {
+struct OpenFile {
+  Descriptor descriptor;
+  std::uint64_t size;
+};
+
+OpenFile openRegular(const fs::path& path) {
   // O_NONBLOCK: opening a pipe must not wait for somebody to write into it.
-  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  check(file.get() >= 0, ErrorCode::io, "{}: cannot be opened: {}", path.string(), std::strerror(errno));
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  check(fd >= 0, ErrorCode::io, "{}: cannot be opened: {}", path.string(), std::strerror(errno));
+  Descriptor descriptor(fd);
   struct stat status{};
-  check(::fstat(file.get(), &status) == 0, ErrorCode::io, "{}: {}", path.string(), std::strerror(errno));
+  check(::fstat(fd, &status) == 0, ErrorCode::io, "{}: {}", path.string(), std::strerror(errno));
   check(S_ISREG(status.st_mode), ErrorCode::io, "{}: is not a regular file", path.string());
-  const auto size = std::uint64_t(status.st_size);
-  check(size <= limit, ErrorCode::invalidInput, "{}: {} bytes, more than the limit of {}", path.string(), size, limit);
+  return {std::move(descriptor), std::uint64_t(status.st_size)};
+}
+
+template <class Container>
+Container readBytes(const OpenFile& file, const fs::path& path, std::uint64_t size) {
   Container bytes;
   bytes.resize(size);
   for (std::uint64_t done = 0; done < size;) {
-    const ssize_t n = ::read(file.get(), bytes.data() + done, size - done);
+    const ssize_t n = ::read(file.descriptor.get(), bytes.data() + done, size - done);
     if (n < 0 && errno == EINTR) continue;
     check(n >= 0, ErrorCode::io, "{}: cannot be read: {}", path.string(), std::strerror(errno));
     check(n > 0, ErrorCode::io, "{}: ended after {} of {} bytes", path.string(), done, size);
     done += std::uint64_t(n);
   }
   return bytes;
+}
+
+template <class Container>
+Container readWhole(const fs::path& path, std::uint64_t limit) {
+  const OpenFile file = openRegular(path);
+  check(file.size <= limit, ErrorCode::invalidInput, "{}: {} bytes, more than the limit of {}", path.string(),
+        file.size, limit);
+  return readBytes<Container>(file, path, file.size);
 }
 
 }  // namespace
@@ -61,6 +76,11 @@ std::vector<std::byte> readFile(const fs::path& path, std::uint64_t limit) {
 }
 
 std::string readTextFile(const fs::path& path, std::uint64_t limit) { return readWhole<std::string>(path, limit); }
+
+std::vector<std::byte> readFileStart(const fs::path& path, std::size_t bytes) {
+  const OpenFile file = openRegular(path);
+  return readBytes<std::vector<std::byte>>(file, path, std::min<std::uint64_t>(bytes, file.size));
+}
 
 void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   // A device or pipe cannot be replaced by renaming; it is written in place.

@@ -17,6 +17,9 @@ namespace ibr {
 std::vector<std::byte> readFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(4) << 30);
 std::string readTextFile(const std::filesystem::path& path, std::uint64_t limit = std::uint64_t(1) << 30);
 
+/// The first `bytes` bytes of a regular file, or all of a shorter one. Throws Error{io}.
+std::vector<std::byte> readFileStart(const std::filesystem::path& path, std::size_t bytes);
+
 /// Writes beside `path` and renames, so that `path` is never seen half-written. Throws Error{io}; then nothing is left.
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFile(const std::filesystem::path& path, std::string_view text);

@@ -44,6 +44,9 @@ TEST_CASE("what cannot be read is named") {
   writeFile(folder / "long", "12345");
   CHECK(codeOf([&] { readFile(folder / "long", 4); }) == ErrorCode::invalidInput);
   CHECK(readTextFile(folder / "long", 5) == "12345");
+  CHECK(readFileStart(folder / "long", 3).size() == 3);
+  CHECK(readFileStart(folder / "long", 9).size() == 5);
+  CHECK(codeOf([&] { readFileStart(folder / "missing", 3); }) == ErrorCode::io);
 }
 
 TEST_CASE("what cannot be written is named") {
