@@ -15,7 +15,7 @@ using namespace ibr::test;
 namespace {
 
 // Tolerance as derived from the device's texture filter: NUMERICS §6 b.
-void compareWithTwin(const Stage& stage, const FramePlan& plan) {
+void compareWithTwin(const Stage& stage, const FramePlan& plan, double leastDrawn = 0.25) {
   const Image8 picture = stage.render(plan);
   const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
   VkPhysicalDeviceProperties properties;
@@ -34,7 +34,7 @@ void compareWithTwin(const Stage& stage, const FramePlan& plan) {
       for (int c = 0; c < 3; ++c) wrongColour += std::abs(pixel[c] - twin.colour[at][c] * 255) > tolerance;
     }
   CHECK(compared > std::size_t(twin.width) * std::size_t(twin.height) / 2);
-  CHECK(drawn > compared / 4);
+  CHECK(double(drawn) > leastDrawn * double(compared));
   CHECK(wrongColour == 0);
   CHECK(wrongTier == 0);
 }
@@ -59,10 +59,10 @@ TEST_CASE("the cell pass shows what its twin computes") {
 TEST_CASE("views with odd sizes, wide angles and off-centre principal points") {
   const Stage stage(testDevice(), makeScene(place(3)));
   Camera view = cameraAt({0.4, 0.3, 0}, 0, 0, 333, 201, 1.9);
-  compareWithTwin(stage, stage.plan(view, withTiers()));
+  compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
   view.intrinsics.cx = 40;
   view.intrinsics.cy = 170;
-  compareWithTwin(stage, stage.plan(view, withTiers()));
+  compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);
 }
 
 TEST_CASE("several cells and both tiers: rank decides between cells, depth inside one") {
