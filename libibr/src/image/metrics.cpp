@@ -95,21 +95,21 @@ double ssimOf(const Image8& a, const Image8& b, const Image8* mask) {
   const int width = a.width, height = a.height;
   const std::array<double, kWindow> weights = gaussian();
   const std::vector<std::uint8_t> whole = mask ? wholeWindows(*mask) : std::vector<std::uint8_t>();
-  std::vector<Moments> pixels(std::size_t(width) * std::size_t(height));
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double p = luma(a.pixel(x, y)), q = luma(b.pixel(x, y));
-      pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)] = {p, q, p * p, q * q, p * q};
-    }
+  std::vector<Moments> rows(std::size_t(width) * kWindow);  // the last kWindow rows, each where y % kWindow says
+  std::vector<Moments> column(std::size_t(width), Moments{});
   double sum = 0;
   std::uint64_t count = 0;
-  std::vector<Moments> column(std::size_t(width), Moments{});
-  for (int y = kRadius; y + kRadius < height; ++y) {
+  for (int last = 0; last < height; ++last) {
     for (int x = 0; x < width; ++x) {
-      column[std::size_t(x)] = {};
-      for (int k = 0; k < kWindow; ++k)
-        column[std::size_t(x)].add(weights[std::size_t(k)],
-                                   pixels[std::size_t(y - kRadius + k) * std::size_t(width) + std::size_t(x)]);
+      const double p = luma(a.pixel(x, last)), q = luma(b.pixel(x, last));
+      rows[std::size_t(last % kWindow) * std::size_t(width) + std::size_t(x)] = {p, q, p * p, q * q, p * q};
+    }
+    const int y = last - kRadius;
+    if (y < kRadius) continue;
+    std::fill(column.begin(), column.end(), Moments{});
+    for (int k = 0; k < kWindow; ++k) {
+      const Moments* row = &rows[std::size_t((y - kRadius + k) % kWindow) * std::size_t(width)];
+      for (int x = 0; x < width; ++x) column[std::size_t(x)].add(weights[std::size_t(k)], row[x]);
     }
     for (int x = kRadius; x + kRadius < width; ++x) {
       if (mask && !whole[std::size_t(y) * std::size_t(width) + std::size_t(x)]) continue;

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/metrics.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "ibr/error.h"
+
+using namespace ibr;
+
+namespace {
+
+Image8 noise(int width, int height, int channels, std::uint32_t seed) {
+  Image8 image(width, height, channels);
+  std::mt19937 random(seed);
+  for (auto& v : image.values) v = std::uint8_t(random());
+  return image;
+}
+
+Image8 plus(Image8 image, int offset) {
+  for (auto& v : image.values) v = std::uint8_t(v + offset);
+  return image;
+}
+
+double grey(const Image8& image, int x, int y) {
+  const auto p = image.pixel(x, y);
+  return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
+}
+
+// Wang et al. 2004, eq. 13, window by window with the two-dimensional weights and central moments.
+double ssimByDefinition(const Image8& a, const Image8& b, const Image8* mask) {
+  double sum = 0;
+  int windows = 0;
+  for (int y = 5; y + 5 < a.height; ++y)
+    for (int x = 5; x + 5 < a.width; ++x) {
+      double total = 0, meanA = 0, meanB = 0;
+      bool inside = true;
+      const auto weight = [](int i, int j) { return std::exp(-(i * i + j * j) / (2 * 1.5 * 1.5)); };
+      const auto each = [&](auto&& f) {
+        for (int j = -5; j <= 5; ++j)
+          for (int i = -5; i <= 5; ++i) f(weight(i, j), x + i, y + j);
+      };
+      each([&](double w, int u, int v) {
+        total += w;
+        meanA += w * grey(a, u, v);
+        meanB += w * grey(b, u, v);
+        inside &= !mask || mask->pixel(u, v)[0] != 0;
+      });
+      if (!inside) continue;
+      meanA /= total;
+      meanB /= total;
+      double varianceA = 0, varianceB = 0, covariance = 0;
+      each([&](double w, int u, int v) {
+        const double p = grey(a, u, v) - meanA, q = grey(b, u, v) - meanB;
+        varianceA += w / total * p * p;
+        varianceB += w / total * q * q;
+        covariance += w / total * p * q;
+      });
+      const double c1 = 2.55 * 2.55, c2 = 7.65 * 7.65;
+      sum += (2 * meanA * meanB + c1) * (2 * covariance + c2) /
+             ((meanA * meanA + meanB * meanB + c1) * (varianceA + varianceB + c2));
+      ++windows;
+    }
+  return sum / windows;
+}
+
+}  // namespace
+
+TEST_CASE("PSNR of known differences") {
+  const Image8 a(20, 10, 3, 100);
+  CHECK(psnr(a, a) == std::numeric_limits<double>::infinity());
+  CHECK(psnr(a, plus(a, 1)) == Approx(48.1308036087));    // 20 log10 255
+  CHECK(psnr(a, plus(a, -16)) == Approx(24.0484039560));  // 20 log10 (255 / 16)
+  CHECK(psnr(Image8(4, 4, 3, 0), Image8(4, 4, 3, 255)) == Approx(0.0).margin(1e-12));
+  Image8 one = a;
+  one.pixel(3, 4)[1] = 200;  // one of 600 values is off by 100
+  CHECK(psnr(a, one) == Approx(10 * std::log10(255.0 * 255.0 * 600 / 10000)));
+}
+
+TEST_CASE("PSNR sees colour only, and only where the mask counts") {
+  Image8 a(6, 6, 4, 10), b(6, 6, 4, 10);
+  for (int x = 0; x < 6; ++x) b.pixel(x, 0)[3] = 99;
+  CHECK(psnr(a, b) == std::numeric_limits<double>::infinity());
+  b.pixel(2, 2)[0] = 20;
+  Image8 mask(6, 6, 1, 0);
+  CHECK(std::isnan(psnr(a, b, mask)));
+  mask.pixel(1, 1)[0] = 1;
+  CHECK(psnr(a, b, mask) == std::numeric_limits<double>::infinity());
+  mask.pixel(2, 2)[0] = 255;
+  CHECK(psnr(a, b, mask) == Approx(10 * std::log10(255.0 * 255.0 * 6 / 100)));
+  CHECK(psnr(a, noise(6, 6, 3, 1)) < 30);  // 3 against 4 channels is fine
+}
+
+TEST_CASE("SSIM follows its definition") {
+  for (auto [width, height] : {std::pair{11, 11}, {17, 12}, {24, 31}}) {
+    const Image8 a = noise(width, height, 3, 1), b = noise(width, height, 4, 2);
+    CHECK(ssim(a, a) == 1.0);
+    CHECK(ssim(a, b) == Approx(ssimByDefinition(a, b, nullptr)).epsilon(1e-9));
+    Image8 close = a;
+    for (std::size_t i = 0; i < close.values.size(); i += 7) close.values[i] ^= 24;
+    CHECK(ssim(a, close) == Approx(ssimByDefinition(a, close, nullptr)).epsilon(1e-9));
+    CHECK(ssim(a, close) == ssim(close, a));
+  }
+  // Constant pictures leave the luminance term.
+  const double c1 = 2.55 * 2.55;
+  CHECK(ssim(Image8(12, 12, 3, 100), Image8(12, 12, 3, 120)) ==
+        Approx((2 * 100 * 120 + c1) / (100 * 100 + 120 * 120 + c1)));
+}
+
+TEST_CASE("SSIM takes the windows that lie wholly inside picture and mask") {
+  const Image8 a = noise(30, 25, 3, 1), b = noise(30, 25, 3, 2);
+  Image8 mask(30, 25, 1, 255);
+  CHECK(ssim(a, b, mask) == ssim(a, b));
+  mask.pixel(14, 12)[0] = 0;
+  mask.pixel(29, 3)[0] = 0;
+  CHECK(ssim(a, b, mask) == Approx(ssimByDefinition(a, b, &mask)).epsilon(1e-9));
+  // One window is left.
+  Image8 single(30, 25, 1, 0);
+  for (int y = 7; y < 18; ++y)
+    for (int x = 9; x < 20; ++x) single.pixel(x, y)[0] = 1;
+  CHECK(ssim(a, b, single) == Approx(ssimByDefinition(a, b, &single)).epsilon(1e-9));
+  single.pixel(9, 7)[0] = 0;
+  CHECK(std::isnan(ssim(a, b, single)));
+  CHECK(std::isnan(ssim(noise(10, 40, 3, 1), noise(10, 40, 3, 2))));  // no room for a window
+}
+
+TEST_CASE("difference counts pixels by their largest channel") {
+  Image8 a(10, 10, 3, 50), b = a;
+  b.pixel(0, 0)[0] = 60;
+  b.pixel(0, 0)[2] = 47;
+  b.pixel(5, 5)[1] = 46;
+  const Difference at4 = difference(a, b, 4), at3 = difference(a, b, 3), at10 = difference(a, b, 10);
+  CHECK(at4.largest == 10);
+  CHECK(at4.meanAbsolute == Approx((10 + 3 + 4) / 300.0));
+  CHECK(at4.shareAbove == Approx(0.01));
+  CHECK(at3.shareAbove == Approx(0.02));
+  CHECK(at10.shareAbove == 0.0);
+}
+
+TEST_CASE("pictures that cannot be compared are refused") {
+  const Image8 a(12, 12, 3), small(12, 11, 3), greyOnly(12, 12, 1), mask(12, 12, 1), wideMask(13, 12, 1);
+  CHECK_THROWS_AS(psnr(a, small), Error);
+  CHECK_THROWS_AS(psnr(a, greyOnly), Error);
+  CHECK_THROWS_AS(psnr(greyOnly, a), Error);
+  CHECK_THROWS_AS(psnr(Image8(), Image8()), Error);
+  CHECK_THROWS_AS(psnr(a, a, wideMask), Error);
+  CHECK_THROWS_AS(psnr(a, a, a), Error);
+  CHECK_THROWS_AS(ssim(a, small), Error);
+  CHECK_THROWS_AS(ssim(a, a, wideMask), Error);
+  CHECK_THROWS_AS(difference(a, small, 1), Error);
+}
