@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/match.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "author/depth_clean.h"
+#include "author/mean_frame.h"
+#include "author/plane_sweep.h"
+#include "author/sgm.h"
+#include "author/visibility.h"
+#include "base/check.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kSpeckle = 60;          // px at half resolution
+constexpr float kSpeckleStep = 2.0f;  // levels
+constexpr double kHidden = 0.06;      // of the sweep's range
+constexpr double kResidual = 3.0;     // px
+constexpr double kCorrelation = 0.6;  // of 7×7 windows, worst pair; or …
+constexpr double kAlike = 14.0;       // … their RMS difference, grey levels
+constexpr double kNoise = 25.0;       // grey², added to variances and covariance: flat windows correlate
+
+cv::Mat view(const Image8& image) {
+  return {image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.values.data())};
+}
+cv::Mat view(const ImageF& image) {
+  return {image.height, image.width, CV_32FC(image.channels), const_cast<float*>(image.values.data())};
+}
+
+Camera scaled(const Camera& camera, int width, int height) {
+  return {resized(camera.intrinsics, width, height), camera.pose};
+}
+
+// Between neighbours that belong together linear, across a step of depth the nearest: nothing floats between surfaces.
+ImageF upsampled(const ImageF& small, int width, int height, float step) {
+  ImageF linear(width, height, 1), nearest(width, height, 1);
+  cv::Mat linearView = view(linear), nearestView = view(nearest), low, high, edge;
+  cv::resize(view(small), linearView, {width, height}, 0, 0, cv::INTER_LINEAR);
+  cv::resize(view(small), nearestView, {width, height}, 0, 0, cv::INTER_NEAREST);
+  cv::erode(view(small), low, cv::Mat::ones(3, 3, CV_8U));
+  cv::dilate(view(small), high, cv::Mat::ones(3, 3, CV_8U));
+  cv::resize((high - low) > step, edge, {width, height}, 0, 0, cv::INTER_NEAREST);
+  nearestView.copyTo(linearView, edge);
+  return linear;
+}
+
+// Where windows of 7×7 of two grey pictures (float) look the same up to gain and offset, or nearly so as they are.
+cv::Mat agreement(const cv::Mat& a, const cv::Mat& b) {
+  auto mean = [](const cv::Mat& m) {
+    cv::Mat result;
+    cv::blur(m, result, {7, 7}, {-1, -1}, cv::BORDER_REPLICATE);
+    return result;
+  };
+  const cv::Mat meanA = mean(a), meanB = mean(b), offset = meanA - meanB;
+  const cv::Mat varianceA = cv::max(mean(a.mul(a)) - meanA.mul(meanA), 0) + kNoise;
+  const cv::Mat varianceB = cv::max(mean(b.mul(b)) - meanB.mul(meanB), 0) + kNoise;
+  const cv::Mat covariance = mean(a.mul(b)) - meanA.mul(meanB) + kNoise;
+  cv::Mat root;
+  cv::sqrt(varianceA.mul(varianceB), root);
+  const cv::Mat square = varianceA + varianceB - 2 * covariance + offset.mul(offset);
+  return (covariance > kCorrelation * root) | (square < kAlike * kAlike);
+}
+
+bool contains(const Image8& picture, glm::dvec2 pixel) {
+  return pixel.x >= 0 && pixel.y >= 0 && pixel.x < picture.width && pixel.y < picture.height;
+}
+
+class Matcher {
+ public:
+  Matcher(std::span<const MatchView> views, const MatchOptions& options) : views_(views), options_(options) {
+    for (const MatchView& v : views) {
+      cameras_.push_back(v.camera);
+      cv::cvtColor(view(v.picture), grey_.emplace_back(), cv::COLOR_RGB2GRAY);
+    }
+    match_.frame = meanFrame(cameras_);
+    width_ = match_.frame.intrinsics.width;
+    height_ = match_.frame.intrinsics.height;
+    for (const Camera& camera : cameras_) maps_.push_back(frameToMember(match_.frame, camera));
+  }
+
+  DenseMatch run(std::span<const glm::dvec3> points) {
+    sweep(points);
+    project();
+    gate();
+    if (options_.refine) refine();
+    return std::move(match_);
+  }
+
+ private:
+  std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
+
+  void sweep(std::span<const glm::dvec3> points) {
+    std::vector<SweepView> halves;
+    std::vector<Camera> cameras;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const int width = std::max(grey_[i].cols / 2, 1), height = std::max(grey_[i].rows / 2, 1);
+      halves.push_back({scaled(cameras_[i], width, height), ImageF(width, height, 1)});
+      cameras.push_back(halves.back().camera);
+      cv::Mat small, target = view(halves.back().grey);
+      cv::resize(grey_[i], small, {width, height}, 0, 0, cv::INTER_AREA);
+      small.convertTo(target, CV_32F);
+    }
+    const Camera frame = scaled(match_.frame, std::max(width_ / 2, 1), std::max(height_ / 2, 1));
+    std::vector<double> depths;
+    for (const glm::dvec3& point : points)
+      if (const double w = inverseDepth(match_.frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
+    check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
+    const SweepRange range = sweepRange(frame, cameras, std::move(depths));
+
+    ImageF level = semiGlobalLevels(planeSweep(frame, halves, range));
+    cleanDepth(level, kSpeckleStep, kSpeckle);
+    for (float& l : level.values) l = float(range.inverseDepth(double(l)));
+    match_.inverseDepthStep = float(range.step());
+    match_.inverseDepth = upsampled(level, width_, height_, kSpeckleStep * match_.inverseDepthStep);
+    hidden_ = float(kHidden * range.nearest);
+  }
+
+  void project() {
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      ImageF& position = match_.position.emplace_back(width_, height_, 2);
+      Image8& inside = inside_.emplace_back(width_, height_, 1);
+      for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+          const auto pixel = maps_[i]({x + 0.5, y + 0.5}, double(match_.inverseDepth.values[at(x, y)]));
+          inside.values[at(x, y)] = pixel && contains(views_[i].picture, *pixel);
+          position.values[2 * at(x, y)] = pixel ? float(pixel->x) : -1.0f;
+          position.values[2 * at(x, y) + 1] = pixel ? float(pixel->y) : -1.0f;
+        }
+      cv::Mat corner, warped;
+      cv::subtract(view(position), cv::Scalar(0.5, 0.5), corner);
+      cv::remap(grey_[i], warped, corner, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+      warped.convertTo(warped_.emplace_back(), CV_32F);
+    }
+  }
+
+  // Only what two members agree on can hide anything: elsewhere the sweep's depth is a guess.
+  void gate() {
+    cv::Mat all(height_, width_, CV_8U, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
+    for (std::size_t i = 0; i < views_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const cv::Mat agreed = agreement(warped_[i], warped_[j]) & (view(inside_[i]) > 0) & (view(inside_[j]) > 0);
+        all &= agreed;
+        any |= agreed;
+      }
+    Image8 solid(width_, height_, 1);
+    view(solid).setTo(1, any);
+    match_.good = Image8(width_, height_, 1);
+    view(match_.good).setTo(1, all);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const Image8 visible =
+          visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width, views_[i].picture.height, hidden_);
+      view(match_.good).setTo(0, view(visible) == 0);
+    }
+  }
+
+  // What remains between member 0 and each other, both as the frame sees them.
+  void refine() {
+    if (std::min(width_, height_) < 32) return;  // too small for the flow's pyramid
+    const auto flow = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
+    cv::Mat first, other, residual;
+    warped_[0].convertTo(first, CV_8U);
+    for (std::size_t i = 1; i < views_.size(); ++i) {
+      warped_[i].convertTo(other, CV_8U);
+      flow->calc(first, other, residual);
+      for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+          std::uint8_t& good = match_.good.values[at(x, y)];
+          if (!good) continue;
+          const cv::Vec2f r = residual.at<cv::Vec2f>(y, x);
+          const auto pixel =
+              maps_[i]({x + 0.5 + double(r[0]), y + 0.5 + double(r[1])}, double(match_.inverseDepth.values[at(x, y)]));
+          good = cv::norm(r) < kResidual && pixel && contains(views_[i].picture, *pixel);
+          if (!good) continue;
+          match_.position[i].values[2 * at(x, y)] = float(pixel->x);
+          match_.position[i].values[2 * at(x, y) + 1] = float(pixel->y);
+        }
+    }
+  }
+
+  std::span<const MatchView> views_;
+  const MatchOptions& options_;
+  int width_ = 0, height_ = 0;
+  float hidden_ = 0;
+  std::vector<Camera> cameras_;
+  std::vector<FrameToMember> maps_;
+  std::vector<cv::Mat> grey_, warped_;  // as photographed, 8 bits; as the frame sees it, float
+  std::vector<Image8> inside_;
+  DenseMatch match_;
+};
+
+}  // namespace
+
+DenseMatch matchViews(std::span<const MatchView> views, std::span<const glm::dvec3> points,
+                      const MatchOptions& options) {
+  return Matcher(views, options).run(points);
+}
+
+}  // namespace ibr

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A dense match of 2 to 4 posed photographs ([T] §2.4.1 asks for one; ours is a plane sweep, since the poses are
+// known).
+//
+//   1. mean frame; inverse-depth range from the tracks
+//   2. plane sweep and semi-global matching at half resolution, cleaned, brought to full resolution
+//   3. gate: inside all members' pictures, alike in all of them, and hidden from none by what stands before it
+//   4. where the poses are estimates: what optical flow finds between the members, warped to the frame, is added to the
+//      matches; too large a flow shuts the gate
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ibr/author.h"
+#include "ibr/image.h"
+
+namespace ibr {
+
+/// A member's photograph at the size that is matched; the intrinsics are those of that size.
+struct MatchView {
+  Camera camera;
+  Image8 picture;  // RGB
+};
+
+struct MatchOptions {
+  bool refine = false;  // step 4
+};
+
+/// All pictures have the frame's size; pixel (x, y) stands for its centre.
+struct DenseMatch {
+  Camera frame;
+  ImageF inverseDepth;           // along the frame's axis
+  float inverseDepthStep = 0;    // one level of the sweep
+  std::vector<ImageF> position;  // of each member: 2 channels, px in its picture; outside it where good is 0
+  std::vector<ImageF> residual;  // of each member: 2 channels, px in the frame, what step 4 found against member 0
+  Image8 good;                   // 1 channel: 1 where all members agree
+};
+
+/// `points` of the world that the members see give the sweep its range. Precondition: 2 to 4 views. Throws
+/// Error{invalidInput} where no point lies in front of the mean frame.
+DenseMatch matchViews(std::span<const MatchView> views, std::span<const glm::dvec3> points,
+                      const MatchOptions& options = {});
+
+}  // namespace ibr

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a dense match to a morphing mesh ([T] §2.4.1).
+//
+//   1. vertices by quadtree; Delaunay on their positions in the mean frame
+//   2. repair: while triangles fold over in some member, drop the vertex of each that most of them share
+//   3. label each triangle by how well the members agree in it; what folds over or disagrees becomes tier 1
+//   4. ρ and a_i of every vertex
+#pragma once
+
+#include <span>
+
+#include "author/match.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+struct CellMesh {
+  MorphMesh mesh;  // matches in px of the stored photographs
+  CellQuality quality;
+};
+
+/// `stored` are the members' cameras at the size of the stored photographs; the views may be smaller versions of them.
+CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match);
+
+}  // namespace ibr

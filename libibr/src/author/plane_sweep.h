@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plane sweep: how well the members agree if what the mean frame sees at a pixel has a given depth (Collins 1996; cost
+// of Hirschmüller & Scharstein's comparison, PAMI 2009: zero-mean normalised cross-correlation).
+//
+//   levels of inverse depth, evenly spaced so that one step moves the members by about one pixel against each other
+//   cost(pixel, level) = mean over pairs of members that see it of (1 − ZNCC of 5×5 windows), 0 … kCostLargest
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "author/mean_frame.h"
+#include "ibr/image.h"
+
+namespace ibr {
+
+/// Evenly spaced inverse depths along the frame's axis, from infinity at level 0.
+struct SweepRange {
+  double nearest = 0;  // inverse depth, > 0
+  int levels = 2;
+
+  double step() const { return nearest / (levels - 1); }
+  double inverseDepth(double level) const { return level * step(); }
+};
+
+/// From infinity to well before the nearest tracks. Precondition: a track's inverse depth at least, all positive.
+SweepRange sweepRange(const Camera& frame, std::span<const Camera> members, std::vector<double> trackInverseDepths);
+
+/// A member's grey picture in the sweep's resolution, 0 … 255.
+struct SweepView {
+  Camera camera;
+  ImageF grey;
+};
+
+inline constexpr int kCostLargest = 120;  // perfectly opposite
+inline constexpr int kCostUnknown = 60;   // fewer than two members see it
+
+struct CostVolume {
+  int width = 0, height = 0, levels = 0;
+  std::vector<std::uint8_t> cost;  // height × width × levels
+  ImageF guide;                    // grey of what the members agree on best: the frame's picture, roughly
+};
+
+CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepRange& range);
+
+}  // namespace ibr
