@@ -31,20 +31,23 @@ struct Camera {
   Pose pose;
 };
 
-/// A pinhole with square pixels and a centred principal point. Precondition: 0 < fovYRadians < π.
+/// A pinhole with square pixels and a centred principal point. Throws Error{invalidInput} unless width, height >= 1 and
+/// 0 < fovYRadians < π.
 Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
 
-/// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture.
+/// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture. Throws
+/// Error{invalidInput} where pixel or intrinsics are not finite.
 glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
 /// Pixel at which a direction of any length (camera axes) is seen, also outside the picture; nullopt where there is
 /// none: behind a pinhole, or a zero or non-finite direction.
 std::optional<glm::dvec2> project(const Intrinsics& intrinsics, glm::dvec3 direction);
 
-/// The camera's viewing axis in the world (unit).
+/// The camera's viewing axis in the world (unit where the rotation is).
 glm::dvec3 viewAxis(const Pose& pose);
 
-/// The same camera for the picture scaled to width × height (pixel centres convention kept).
+/// The same camera for the picture scaled to width × height (pixel centres convention kept). Throws Error{invalidInput}
+/// unless all sizes are >= 1.
 Intrinsics resized(const Intrinsics& intrinsics, int width, int height);
 
 }  // namespace ibr

@@ -1,45 +1,79 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ibr/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "base/check.h"
+
 namespace ibr {
 namespace {
+
 constexpr double kPi = std::numbers::pi;
+
+bool finite(glm::dvec2 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y);
+}
+bool finite(glm::dvec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
-  const double focal = 0.5 * height / std::tan(0.5 * fovYRadians);
-  return {CameraModel::pinhole, width, height, focal, focal, 0.5 * width, 0.5 * height};
+// Scaled first, so that neither long nor short vectors leave the range of double when squared.
+glm::dvec3 unit(glm::dvec3 v) {
+  return glm::normalize(v / std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));
 }
 
-glm::dvec3 unproject(const Intrinsics& k, glm::dvec2 pixel) {
+glm::dvec3 direction(const Intrinsics& k, glm::dvec2 pixel) {
   if (k.model == CameraModel::equirectangular) {
     const double longitude = (pixel.x / k.width - 0.5) * 2.0 * kPi;
     const double latitude = (0.5 - pixel.y / k.height) * kPi;
     return {std::sin(longitude) * std::cos(latitude), std::sin(latitude), -std::cos(longitude) * std::cos(latitude)};
   }
-  return glm::normalize(glm::dvec3((pixel.x - k.cx) / k.fx, (k.cy - pixel.y) / k.fy, -1.0));
+  constexpr double kSideways = 1e300;  // what a quotient beyond the range of double stands for
+  return unit({std::clamp((pixel.x - k.cx) / k.fx, -kSideways, kSideways),
+               std::clamp((k.cy - pixel.y) / k.fy, -kSideways, kSideways), -1.0});
+}
+
+}  // namespace
+
+Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
+  const double focal = 0.5 * height / std::tan(0.5 * fovYRadians);
+  check(width >= 1 && height >= 1 && fovYRadians > 0.0 && fovYRadians < kPi && std::isfinite(focal),
+        ErrorCode::invalidInput, "no pinhole has {}x{} px and a field of view of {} radians", width, height,
+        fovYRadians);
+  return {CameraModel::pinhole, width, height, focal, focal, 0.5 * width, 0.5 * height};
+}
+
+glm::dvec3 unproject(const Intrinsics& k, glm::dvec2 pixel) {
+  const glm::dvec3 ray = direction(k, pixel);
+  check(finite(pixel) && finite(ray), ErrorCode::invalidInput,
+        "pixel ({}, {}) of a camera with f ({}, {}) and c ({}, {}) has no direction", pixel.x, pixel.y, k.fx, k.fy,
+        k.cx, k.cy);
+  return ray;
 }
 
 std::optional<glm::dvec2> project(const Intrinsics& k, glm::dvec3 d) {
+  if (!finite(d) || d == glm::dvec3(0.0)) return std::nullopt;
   if (k.model == CameraModel::equirectangular) {
-    const double horizontal = std::hypot(d.x, d.z);
-    if (!std::isfinite(horizontal + d.y) || (horizontal == 0.0 && d.y == 0.0)) return std::nullopt;
-    // atan2 rather than asin: exact near the poles and for any length of d.
+    // atan2 rather than asin: exact near the poles. Scaled, since hypot may overflow.
+    d = unit(d);
     return glm::dvec2((std::atan2(d.x, -d.z) / (2.0 * kPi) + 0.5) * k.width,
-                      (0.5 - std::atan2(d.y, horizontal) / kPi) * k.height);
+                      (0.5 - std::atan2(d.y, std::hypot(d.x, d.z)) / kPi) * k.height);
   }
-  const glm::dvec2 pixel(k.cx - k.fx * d.x / d.z, k.cy + k.fy * d.y / d.z);
-  if (!(d.z < 0.0) || !std::isfinite(pixel.x + pixel.y)) return std::nullopt;
+  const glm::dvec2 pixel(k.cx - k.fx * (d.x / d.z), k.cy + k.fy * (d.y / d.z));
+  if (!(d.z < 0.0) || !finite(pixel)) return std::nullopt;
   return pixel;
 }
 
-glm::dvec3 viewAxis(const Pose& pose) { return pose.rotation * glm::dvec3(0.0, 0.0, -1.0); }
+glm::dvec3 viewAxis(const Pose& pose) {
+  return pose.rotation * glm::dvec3(0.0, 0.0, -1.0);
+}
 
 Intrinsics resized(const Intrinsics& k, int width, int height) {
+  check(std::min({k.width, k.height, width, height}) >= 1, ErrorCode::invalidInput,
+        "a picture of {}x{} px cannot be scaled to {}x{}", k.width, k.height, width, height);
   const double sx = double(width) / k.width, sy = double(height) / k.height;
   return {k.model, width, height, k.fx * sx, k.fy * sy, k.cx * sx, k.cy * sy};
 }

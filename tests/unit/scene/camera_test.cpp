@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// N10 (panoramas), N13 (projection) and N16 (values that are not finite) of NUMERICS §3, for cameras.
+#include "ibr/camera.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "ibr/error.h"
+
+using namespace ibr;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kExtremes[] = {0.0,  -0.0,  5e-324, -5e-324, 1e-308,   1.0,       -1.0,       1e5, -1e5,
+                                1e18, 1e154, -1e200, 1.7e308, -1.7e308, kInfinity, -kInfinity, kNan};
+const Intrinsics kPanorama{CameraModel::equirectangular, 8192, 4096};
+
+bool finite(glm::dvec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+}  // namespace
+
+TEST_CASE("fields of view from a needle to half the sphere") {
+  for (double degrees : {1e-3, 1.0, 60.0, 120.0, 170.0, 179.0, 179.9}) {
+    const double fov = degrees * kPi / 180;
+    const Intrinsics k = pinholeFromFov(1920, 1080, fov);
+    const glm::dvec3 top = unproject(k, {960, 0}), bottom = unproject(k, {960, 1080});
+    CHECK(std::acos(glm::dot(top, bottom)) == Approx(fov).epsilon(1e-4));
+    CHECK(top.y > 0);
+    for (glm::dvec2 corner : {glm::dvec2(0, 0), {1920, 0}, {0, 1080}, {1920, 1080}, {960, 540}}) {
+      const glm::dvec3 ray = unproject(k, corner);
+      CHECK(glm::length(ray) == Approx(1.0).epsilon(1e-15));
+      CHECK(ray.z < 0);
+      REQUIRE(project(k, ray));
+      CHECK(glm::distance(*project(k, ray), corner) < 1e-8);
+      CHECK(glm::distance(*project(k, ray * 1e-300), corner) < 1e-8);
+    }
+  }
+  for (double wrong : {0.0, -1.0, kPi, 4.0, kNan, kInfinity, -kInfinity, 5e-324})
+    CHECK_THROWS_AS(pinholeFromFov(640, 480, wrong), Error);
+  CHECK_THROWS_AS(pinholeFromFov(0, 480, 1.0), Error);
+  CHECK_THROWS_AS(pinholeFromFov(640, -1, 1.0), Error);
+}
+
+TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them") {
+  for (double left : {-89.9, -60.0, -10.0})
+    for (double right : {5.0, 60.0, 89.9}) {
+      const double tangentLeft = std::tan(left * kPi / 180), tangentRight = std::tan(right * kPi / 180);
+      Intrinsics k{CameraModel::pinhole, 2000, 1000};
+      k.fx = k.width / (tangentRight - tangentLeft);
+      k.fy = 500;
+      k.cx = -tangentLeft * k.fx;
+      k.cy = 300;
+      const glm::dvec3 a = unproject(k, {0, 300}), b = unproject(k, {2000, 300});
+      CHECK(std::atan2(a.x, -a.z) == Approx(left * kPi / 180));
+      CHECK(std::atan2(b.x, -b.z) == Approx(right * kPi / 180));
+      for (glm::dvec2 corner : {glm::dvec2(0, 0), {2000, 0}, {0, 1000}, {2000, 1000}})
+        CHECK(glm::distance(project(k, unproject(k, corner)).value(), corner) < 1e-8);
+    }
+}
+
+TEST_CASE("the six axes of a panorama") {
+  // Conventions: x right, y up, −z forward and in the middle of the picture.
+  const auto at = [](glm::dvec3 d) { return project(kPanorama, d).value(); };
+  CHECK(at({0, 0, -1}) == glm::dvec2(4096, 2048));
+  CHECK(at({1, 0, 0}) == glm::dvec2(6144, 2048));
+  CHECK(at({-1, 0, 0}) == glm::dvec2(2048, 2048));
+  CHECK(at({0, 1, 0}).y == 0.0);
+  CHECK(at({0, -1, 0}).y == 4096.0);
+  CHECK(at({1e-300, 0, 1}).x == Approx(8192));
+  CHECK(at({-1e-300, 0, 1}).x == Approx(0).margin(1e-9));
+}
+
+TEST_CASE("panorama round trips, at the poles and the seam too") {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const auto roundTrip = [](glm::dvec3 d) {
+    const glm::dvec3 back = unproject(kPanorama, project(kPanorama, d).value());
+    return glm::distance(back, glm::normalize(d));
+  };
+  for (double tiny : {0.0, -0.0, 1e-7, -1e-7, 1e-12})
+    for (double other : {0.0, 1e-9, -1e-7}) {
+      CHECK(roundTrip({tiny, 1, other}) < 1e-12);
+      CHECK(roundTrip({other, -1, tiny}) < 1e-12);
+      CHECK(roundTrip({tiny, other, 1}) < 1e-12);
+    }
+  for (int i = 0; i < 100000; ++i) REQUIRE(roundTrip({normal(random), normal(random), normal(random)}) < 1e-12);
+  for (int i = 0; i < 1000; ++i) {
+    const glm::dvec2 pixel(double(random() % 8192) + 0.5, double(random() % 4096) + 0.5);
+    REQUIRE(glm::distance(project(kPanorama, unproject(kPanorama, pixel)).value(), pixel) < 1e-6);
+  }
+}
+
+TEST_CASE("nothing behind a pinhole is seen") {
+  const Intrinsics k = pinholeFromFov(640, 480, 1.0);
+  CHECK_FALSE(project(k, {0, 0, 1}));
+  CHECK_FALSE(project(k, {1, 0, 0}));
+  CHECK_FALSE(project(k, {0, 0, -0.0}));
+  CHECK(project(k, {0, 0, -5e-324}) == glm::dvec2(320, 240));
+}
+
+TEST_CASE("a resized camera sees the same") {
+  Intrinsics k{CameraModel::pinhole, 4000, 3000, 3100, 3090, 2010, 1480};
+  const Intrinsics half = resized(k, 1000, 1500);
+  for (glm::dvec2 pixel : {glm::dvec2(0, 0), {4000, 3000}, {17.5, 2000.25}})
+    CHECK(glm::distance(unproject(k, pixel), unproject(half, pixel * glm::dvec2(0.25, 0.5))) < 1e-15);
+  CHECK(resized(kPanorama, 100, 50) == Intrinsics{CameraModel::equirectangular, 100, 50});
+  CHECK_THROWS_AS(resized(k, 0, 10), Error);
+  CHECK_THROWS_AS(resized(Intrinsics{}, 10, 10), Error);
+}
+
+TEST_CASE("no camera function returns NaN, whatever it is given") {
+  std::vector<Intrinsics> cameras{kPanorama, pinholeFromFov(640, 480, 1.0)};
+  for (double value : kExtremes)
+    for (double Intrinsics::*field : {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::cx, &Intrinsics::cy}) {
+      cameras.push_back(cameras[1]);
+      cameras.back().*field = value;
+    }
+  std::size_t rays = 0, pixels = 0;
+  for (const Intrinsics& k : cameras)
+    for (double x : kExtremes)
+      for (double y : kExtremes) {
+        try {
+          const glm::dvec3 ray = unproject(k, {x, y});
+          REQUIRE(finite(ray));
+          REQUIRE(std::abs(glm::length(ray) - 1) < 1e-12);
+          REQUIRE((std::isfinite(x) && std::isfinite(y)));
+          ++rays;
+        } catch (const Error& e) {
+          REQUIRE(e.code() == ErrorCode::invalidInput);
+        }
+        for (double z : kExtremes) {
+          const auto pixel = project(k, {x, y, z});
+          if (!pixel) continue;
+          REQUIRE((std::isfinite(pixel->x) && std::isfinite(pixel->y)));
+          ++pixels;
+        }
+      }
+  CHECK(rays > 1000);
+  CHECK(pixels > 1000);
+  // Every finite pixel and direction has an answer where the camera is right.
+  for (double x : kExtremes)
+    for (double y : kExtremes) {
+      if (!std::isfinite(x) || !std::isfinite(y)) continue;
+      CHECK_NOTHROW(unproject(cameras[0], {x, y}));
+      CHECK_NOTHROW(unproject(cameras[1], {x, y}));
+      if (x != 0 || y != 0) CHECK(project(kPanorama, {x, y, 0}).has_value());
+    }
+}
