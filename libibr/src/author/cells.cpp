@@ -306,6 +306,7 @@ class Planner {
 
   CellPlan report() const {
     CellPlan plan;
+    plan.ordered = 2 * spotCentre_.size() <= cameras_.size();
     std::vector<bool> used(cameras_.size(), false);
     for (const Simplex& cell : cells_) {
       plan.cells.emplace_back();

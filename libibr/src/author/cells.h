@@ -21,6 +21,7 @@ namespace ibr {
 struct CellPlan {
   std::vector<std::vector<std::uint32_t>> cells;  // indices into PosedModel::images, each cell sorted by name
   std::vector<BuildReport::Dropped> dropped;      // simplices that were refused, and photographs that are in no cell
+  bool ordered = false;                           // several photographs were taken from each spot ([T] §2.4.2)
 };
 
 /// Uses `dimension` and `thetaDegrees` of the options. The cells do not depend on the order of images or tracks.

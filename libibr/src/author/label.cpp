@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "image/ecc.h"
+
 namespace ibr {
 namespace {
 
@@ -20,7 +22,7 @@ constexpr float kOffPx = 1.5f;
 constexpr double kSameColour = 12.0;  // mean over channels: where members differ by less, nobody sees what is off
 constexpr double kNoise = 25.0;       // grey² in variances and covariance
 
-constexpr std::size_t kMostMembers = 4;
+constexpr std::size_t kMostMembers = 4, kMostPairs = 6;
 constexpr std::size_t kFewSamples = 6;  // fewer pixels than this inside: a lattice of samples instead
 
 // Per channel v ↦ gain·v + offset, to the mean of all members.
@@ -110,13 +112,6 @@ double largestDifference(std::span<const glm::dvec3> colours) {
   return largest;
 }
 
-struct Sums {
-  double count = 0;
-  std::array<glm::dvec3, kMostMembers> value{};
-  std::array<glm::dvec3, kMostMembers> square{};
-  std::array<glm::dvec3, kMostMembers*(kMostMembers - 1) / 2> product{};
-};
-
 }  // namespace
 
 bool TriangleLabel::agrees() const {
@@ -134,7 +129,8 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
   labels.reserve(triangles.size());
   std::vector<glm::vec3> list;
   for (const glm::uvec3& t : triangles) {
-    Sums sums;
+    std::array<EccSums, kMostPairs> sums;
+    std::array<double, kMostPairs> square{};
     double off = 0;
     forSamples({frame[t.x], frame[t.y], frame[t.z]}, width, height, list, [&](const glm::vec3& w) {
       const glm::vec2 at = w.x * frame[t.x] + w.y * frame[t.y] + w.z * frame[t.z];
@@ -147,31 +143,21 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
         const glm::vec2 here = w.x * m[t.x] + w.y * m[t.y] + w.z * m[t.z];
         const glm::vec2 dense(match.position[i].values[2 * pixel], match.position[i].values[2 * pixel + 1]);
         elsewhere = elsewhere || !(glm::distance(here, dense) <= kOffPx);
-        colour[i] = glm::dvec3(exposure[i].gain * sampled(views[i].picture, here) + exposure[i].offset) - 128.0;
+        colour[i] = exposure[i].gain * sampled(views[i].picture, here) + exposure[i].offset;
       }
       off += elsewhere && largestDifference({colour.data(), d}) > kSameColour;
-      ++sums.count;
-      for (std::size_t i = 0, pair = 0; i < d; ++i) {
-        sums.value[i] += colour[i];
-        sums.square[i] += colour[i] * colour[i];
-        for (std::size_t j = 0; j < i; ++j) sums.product[pair++] += colour[i] * colour[j];
-      }
+      for (std::size_t i = 0, pair = 0; i < d; ++i)
+        for (std::size_t j = 0; j < i; ++j, ++pair) {
+          sums[pair].add(colour[i], colour[j]);
+          const glm::dvec3 difference = colour[i] - colour[j];
+          square[pair] += glm::dot(difference, difference) / 3.0;
+        }
     });
-    // Covariances are summed over channels about each channel's own mean (NUMERICS §1 c).
-    TriangleLabel label{1.0f, 0.0f, float(off / sums.count)};
-    const auto total = [](const glm::dvec3& v) { return v.x + v.y + v.z; };
-    for (std::size_t i = 0, pair = 0; i < d; ++i)
-      for (std::size_t j = 0; j < i; ++j, ++pair) {
-        const double n = sums.count;
-        const double covariance = total(sums.product[pair] / n - sums.value[i] / n * (sums.value[j] / n));
-        const double vi = total(sums.square[i] / n - sums.value[i] / n * (sums.value[i] / n));
-        const double vj = total(sums.square[j] / n - sums.value[j] / n * (sums.value[j] / n));
-        const double ecc =
-            (covariance + kNoise) / std::sqrt((std::max(vi, 0.0) + kNoise) * (std::max(vj, 0.0) + kNoise));
-        const double mean = total(sums.square[i] + sums.square[j] - 2.0 * sums.product[pair]) / (3.0 * n);
-        label.ecc = std::min(label.ecc, float(std::clamp(ecc, -1.0, 1.0)));
-        label.rms = std::max(label.rms, float(std::sqrt(std::max(mean, 0.0))));
-      }
+    TriangleLabel label{1.0f, 0.0f, float(off / double(list.size()))};
+    for (std::size_t pair = 0; pair < d * (d - 1) / 2; ++pair) {
+      label.ecc = std::min(label.ecc, float(sums[pair].result(kNoise).value));
+      label.rms = std::max(label.rms, float(std::sqrt(square[pair] / double(list.size()))));
+    }
     labels.push_back(label);
   }
   return labels;

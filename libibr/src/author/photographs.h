@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photographs of a model: found, checked against its cameras, stored in the scene's folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ibr/author.h"
+#include "ibr/image.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// A photograph and how it enters the scene.
+struct Photograph {
+  std::string name;
+  std::filesystem::path source;
+  bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
+  bool copied = false;                           // stored byte by byte
+  Camera camera;                                 // intrinsics at the stored size
+  std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
+};
+
+/// Finds the file of a model's image and plans how it is stored: at most `maxSize` px along its longest side (0: as it
+/// is). Throws Error (io, invalidInput) that names the file where it is missing, unreadable, or has neither the
+/// camera's size nor a uniform scale of it.
+Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize);
+
+/// The picture as it is stored (RGB), from its source.
+Image8 loadPhotograph(const Photograph& photograph);
+
+/// Writes the picture and its texture below `scene`. Returns a hash of the source file's bytes.
+std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene);
+
+/// Pictures below `folder`, by name relative to it (with '/'), sorted.
+std::vector<std::string> listPictures(const std::filesystem::path& folder);
+
+}  // namespace ibr
