@@ -36,24 +36,28 @@ cmake --build --preset release --target ibr_batch >>"$output/build.log" || { tai
 ibr=$root/build/release/apps/batch/ibr
 "$ibr" device
 
-# walk NAME FRAMES: photographs → scene → pictures, contact sheet, video
+# walk NAME FRAMES SIZE: photographs → scene → pictures, contact sheet, video
 walk() {
   scene=$output/$1/scene pictures=$output/$1/pictures
   echo "== $1: photographs to scene"
-  "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1.txt"
-  tail -n 1 "$output/$1.txt"
+  "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1/build.txt"
+  tail -n 1 "$output/$1/build.txt"
   echo "== $1: scene to pictures"
   rm -rf "$pictures"
-  "$ibr" render "$scene" --path "auto:$2" -o "$pictures"
-  ffmpeg -v error -y -framerate 30 -i "$pictures/frame_%04d.png" -vf "select=not(mod(n\,$(($2 / 12)))),scale=480:-2,tile=4x3" \
+  "$ibr" render "$scene" --path "auto:$2" --size "$3" -o "$pictures"
+  ffmpeg -v error -y -i "$pictures/frame_%04d.png" -vf "select=not(mod(n\,$(($2 / 12)))),scale=480:-2,tile=4x3" \
     -frames:v 1 -q:v 3 "$output/$1/contact-sheet.jpg" </dev/null
   ffmpeg -v error -y -framerate 30 -i "$pictures/frame_%04d.png" -pix_fmt yuv420p -crf 20 -movflags +faststart \
     "$output/$1/walk.mp4" </dev/null
 }
-walk park 120
+names="cathedral lane relief"
+for name in $names; do mkdir -p "$output/$name"; done
+walk cathedral 96 1280x960
+walk lane 180 984x738
+walk relief 120 960x720
 
 echo
-for name in park; do
+for name in $names; do
   echo "$name"
   echo "  pictures       $output/$name/pictures"
   echo "  contact sheet  $output/$name/contact-sheet.jpg"
@@ -62,5 +66,5 @@ for name in park; do
 done
 viewer=$root/build/release/apps/viewer/ibr-viewer
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -x "$viewer" ]; then
-  "$viewer" "$output/park/scene"
+  "$viewer" "$output/cathedral/scene"
 fi

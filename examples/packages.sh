@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2034 # the lists are for who sources this
 # What libibr needs of Debian 12, and how it gets there. Sourced by examples/demo.sh and tests/run.sh.
 
 # To build the library and the program ibr, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
@@ -26,7 +27,7 @@ install_packages() {
   done
   [ -n "$missing" ] || return 0
   if [ "$(id -u)" = 0 ]; then
-    as_root=env
+    as_root="env"
   elif command -v sudo >/dev/null; then
     as_root="sudo env"
   else

@@ -79,7 +79,7 @@ const Command kRenderCommand{
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
         "with cameras that look along -z, y up. Pictures are named after the poses.",
-    .afterInterrupt = "The pictures that are there are whole; run the same command again for the rest.",
+    .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Scene folder")->required();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-//   1. stations: the different places of the photographs
+//   1. stations: the different places of the cells' centres, where photographs are blended and most is covered
 //   2. order them: along the principal axis where they are nearly a line, else nearest neighbour, then 2-opt
-//   3. at each, look as that photograph there does that turns the view least
-//   4. smooth places and directions, add the ends, and time the keys by way and turn
+//   3. at each, look as the cells there do, that way which turns the view least
+//   4. smooth places and directions, lead the ends out of the cells, and time the keys by way and turn
 #include "shared/auto_path.h"
 
 #include <algorithm>
@@ -18,28 +18,55 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kBeyond = 0.1;         // of a step, past the first and the last photograph
-constexpr double kNarrower = 0.9;       // of the photographs' field of view, as a tangent
+constexpr double kBeyond = 0.1;     // of a cell's reach, past the first and the last photograph
+constexpr double kNarrowest = 0.5;  // of the photographs' field of view, as a tangent
+constexpr double kWidest = 0.9;
 constexpr double kTurnPerStep = 0.5;    // radians that take as long as a median step
 constexpr double kNearlyLine = 0.05;    // variance off the principal axis against variance along it
 constexpr double kFps = 30;             // what viewers and videos expect
 constexpr int kSmoothings = 2;          // passes of (1 2 1) / 4
 constexpr std::size_t kMost2Opt = 500;  // stations; beyond, nearest neighbour has to do
 
-struct Station {
-  glm::dvec3 position;
-  std::vector<std::size_t> nodes;
+struct Look {
+  glm::dvec3 axis, up;
 };
 
-// How many cells each node is a member of.
-std::vector<std::size_t> cellCounts(const Scene& scene) {
-  std::vector<std::size_t> counts(scene.nodes.size(), 0);
-  for (const Cell& cell : scene.cells)
-    for (const std::uint32_t node : cell.members) ++counts[node];
-  return counts;
+// A direction to look in from a station, and the photographs that made it.
+struct Choice {
+  Look look;
+  std::vector<std::uint32_t> nodes;
+  double weight = 0;  // how much is seen that way
+};
+
+struct Station {
+  glm::dvec3 position;
+  std::vector<Choice> choices;
+};
+
+// Their mean, or the first where they cancel each other out, as the ups of a drone do that turned its heading.
+glm::dvec3 meanDirection(const std::vector<glm::dvec3>& directions) {
+  glm::dvec3 sum(0.0);
+  for (const glm::dvec3 direction : directions) sum += direction;
+  return glm::normalize(glm::length(sum) > 0.5 * double(directions.size()) ? sum : directions[0]);
 }
 
-std::vector<Station> stationsOf(const Scene& scene, const std::vector<std::size_t>& cells) {
+Choice choiceOf(const Scene& scene, std::vector<std::uint32_t> nodes, double weight) {
+  std::vector<glm::dvec3> axes, ups;
+  for (const std::uint32_t node : nodes) {
+    const Pose& pose = scene.nodes[node].camera.pose;
+    axes.push_back(viewAxis(pose));
+    ups.push_back(pose.rotation * glm::dvec3(0, 1, 0));
+  }
+  return {{meanDirection(axes), meanDirection(ups)}, std::move(nodes), weight};
+}
+
+glm::dvec3 centreOf(const Scene& scene, const std::vector<std::uint32_t>& nodes) {
+  glm::dvec3 centre(0.0);
+  for (const std::uint32_t node : nodes) centre += scene.nodes[node].camera.pose.position / double(nodes.size());
+  return centre;
+}
+
+std::vector<Station> stationsOf(const Scene& scene) {
   glm::dvec3 low(INFINITY), high(-INFINITY);
   for (const Node& node : scene.nodes) {
     low = glm::min(low, node.camera.pose.position);
@@ -47,17 +74,18 @@ std::vector<Station> stationsOf(const Scene& scene, const std::vector<std::size_
   }
   const double same = 1e-4 * glm::length(high - low);
   std::vector<Station> stations;
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Camera& camera = scene.nodes[i].camera;
-    if (camera.intrinsics.model != CameraModel::pinhole || (cells[i] == 0 && !scene.cells.empty())) continue;
-    const auto found = std::ranges::find_if(stations, [&](const Station& station) {
-      return glm::distance(station.position, camera.pose.position) <= same;
-    });
-    if (found != stations.end())
-      found->nodes.push_back(i);
-    else
-      stations.push_back({camera.pose.position, {i}});
-  }
+  const auto add = [&](const std::vector<std::uint32_t>& nodes, double weight) {
+    for (const std::uint32_t node : nodes)
+      if (scene.nodes[node].camera.intrinsics.model != CameraModel::pinhole) return;
+    const glm::dvec3 centre = centreOf(scene, nodes);
+    const auto found = std::ranges::find_if(
+        stations, [&](const Station& station) { return glm::distance(station.position, centre) <= same; });
+    Station& station = found != stations.end() ? *found : stations.emplace_back(Station{centre, {}});
+    station.choices.push_back(choiceOf(scene, nodes, weight));
+  };
+  for (const Cell& cell : scene.cells) add(cell.members, double(cell.mesh.tier0Count()));
+  if (scene.cells.empty())
+    for (std::uint32_t node = 0; node < scene.nodes.size(); ++node) add({node}, 1.0);
   return stations;
 }
 
@@ -115,16 +143,7 @@ void sortIntoTour(std::vector<Station>& stations) {
     if (stations.size() <= kMost2Opt) untangle(stations);
   }
   // From the earlier photograph to the later: who walked, walked that way.
-  if (stations.front().nodes.front() > stations.back().nodes.front()) std::ranges::reverse(stations);
-}
-
-struct Look {
-  glm::dvec3 axis, up;
-};
-
-Look lookOf(const Scene& scene, std::size_t node) {
-  const Pose& pose = scene.nodes[node].camera.pose;
-  return {viewAxis(pose), pose.rotation * glm::dvec3(0, 1, 0)};
+  if (stations.front().choices[0].nodes[0] > stations.back().choices[0].nodes[0]) std::ranges::reverse(stations);
 }
 
 glm::dquat rotationOf(const Look& look) {
@@ -133,24 +152,24 @@ glm::dquat rotationOf(const Look& look) {
   return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
-std::vector<Look> looksAlong(const Scene& scene, const std::vector<Station>& tour, std::size_t start) {
+std::vector<Look> looksAlong(const std::vector<Station>& tour, const Choice& start) {
   glm::dvec3 meanUp(0.0);
   std::size_t count = 0;
   for (const Station& station : tour)
-    for (const std::size_t node : station.nodes) {
-      meanUp += lookOf(scene, node).up;
+    for (const Choice& choice : station.choices) {
+      meanUp += choice.look.up;
       ++count;
     }
   // Where the photographs agree on an up, as walkers' do, it is kept; a drone that turns its heading has none, and the
   // view keeps its own.
   const bool agreed = glm::length(meanUp) > 0.5 * double(count);
   std::vector<Look> looks;
-  Look last = lookOf(scene, start);
+  Look last = start.look;
   for (const Station& station : tour) {
-    const std::size_t node = *std::ranges::max_element(
-        station.nodes, {}, [&](std::size_t n) { return glm::dot(lookOf(scene, n).axis, last.axis); });
-    Look look{lookOf(scene, node).axis, agreed ? glm::normalize(meanUp) : last.up};
-    if (std::abs(glm::dot(look.axis, look.up)) > 0.98) look.up = lookOf(scene, node).up;
+    const Choice& nearest = *std::ranges::max_element(
+        station.choices, {}, [&](const Choice& choice) { return glm::dot(choice.look.axis, last.axis); });
+    Look look{nearest.look.axis, agreed ? glm::normalize(meanUp) : last.up};
+    if (std::abs(glm::dot(look.axis, look.up)) > 0.98) look.up = nearest.look.up;
     looks.push_back(last = look);
   }
   return looks;
@@ -185,50 +204,88 @@ void chooseSize(const Intrinsics& photograph, CameraPath& path) {
   path.height = even(photograph.height);
 }
 
+// How much of the photographs' field of view the view takes: what cells cover of their members' pictures, as a length.
+double narrowing(const Scene& scene) {
+  std::vector<double> coverages;
+  for (const Cell& cell : scene.cells)
+    if (std::isfinite(cell.quality.coverage)) coverages.push_back(cell.quality.coverage);
+  return coverages.empty() ? kWidest : std::clamp(std::sqrt(median(coverages)), kNarrowest, kWidest);
+}
+
+// From the tour's end, the way that leads outwards, to a little past the last photograph of the cell there.
+CameraKey beyond(const Scene& scene, const Station& station, CameraKey end, const CameraKey& before) {
+  const glm::dvec3 step = end.position - before.position;
+  if (!(glm::length(step) > 0)) return end;
+  const glm::dvec3 way = glm::normalize(step);
+  double furthest = 0;
+  for (const Choice& choice : station.choices)
+    for (const std::uint32_t node : choice.nodes)
+      furthest = std::max(furthest, glm::dot(scene.nodes[node].camera.pose.position - end.position, way));
+  const bool single = station.choices[0].nodes.size() == 1;
+  const double reach = single ? glm::length(step) : furthest;
+  end.position += (furthest + kBeyond * reach) * way;
+  return end;
+}
+
+// A single cell is crossed from member to member; a single photograph is stood at.
+std::vector<CameraKey> keysAcross(const Scene& scene, const CameraKey& centre, const Choice& choice) {
+  std::vector<CameraKey> keys;
+  for (const std::uint32_t node : choice.nodes) {
+    const glm::dvec3 outwards = scene.nodes[node].camera.pose.position - centre.position;
+    keys.push_back(centre);
+    keys.back().position += (1 + kBeyond) * outwards;
+  }
+  if (keys.size() == 1) keys.push_back(keys[0]);
+  return keys;
+}
+
+void setTimes(std::vector<CameraKey>& keys, double duration) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < keys.size(); ++i) steps.push_back(glm::distance(keys[i - 1].position, keys[i].position));
+  const double typical = median(steps) > 0 ? median(steps) : 1.0;
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    const double cosine = std::abs(glm::dot(keys[i - 1].rotation, keys[i].rotation));
+    const double turn = 2 * std::acos(std::min(1.0, cosine));
+    keys[i].time = keys[i - 1].time + std::max(1e-3, steps[i - 1] / typical + turn / kTurnPerStep);
+  }
+  const double total = keys.back().time;
+  for (CameraKey& key : keys) key.time *= duration / total;
+}
+
 }  // namespace
 
 CameraPath autoPath(const Scene& scene, int frameCount, int width, int height) {
   assert(frameCount >= 1);
-  const auto cells = cellCounts(scene);
-  std::vector<Station> tour = stationsOf(scene, cells);
+  std::vector<Station> tour = stationsOf(scene);
   check(!tour.empty(), ErrorCode::invalidInput, "the scene has no pinhole photograph to make a path from");
   sortIntoTour(tour);
-  const std::size_t start = *std::ranges::max_element(tour.front().nodes, {}, [&](std::size_t n) { return cells[n]; });
-  const std::vector<Look> asPhotographed = looksAlong(scene, tour, start);
+  const Choice start = *std::ranges::max_element(tour.front().choices, {}, &Choice::weight);
+  const std::vector<Look> asPhotographed = looksAlong(tour, start);
   std::vector<Look> looks = asPhotographed;
   smooth(tour, &Station::position);
   smooth(looks, &Look::axis);
   smooth(looks, &Look::up);
   repair(looks, asPhotographed);
 
-  const Intrinsics& photograph = scene.nodes[start].camera.intrinsics;
+  const Intrinsics& photograph = scene.nodes[start.nodes[0]].camera.intrinsics;
   CameraPath path{width, height, kFps, {}};
   chooseSize(photograph, path);
   const double tanX = 0.5 * photograph.width / photograph.fx, tanY = 0.5 * photograph.height / photograph.fy;
-  const double fovY = 2 * std::atan(kNarrower * std::min(tanY, tanX * path.height / path.width));
-  for (std::size_t i = 0; i < tour.size(); ++i) path.keys.push_back({0, tour[i].position, rotationOf(looks[i]), fovY});
-  if (tour.size() > 1) {
-    CameraKey first = path.keys.front(), last = path.keys.back();
-    first.position += kBeyond * (first.position - path.keys[1].position);
-    last.position += kBeyond * (last.position - path.keys[path.keys.size() - 2].position);
-    path.keys.insert(path.keys.begin(), first);
-    path.keys.push_back(last);
+  const double fovY = 2 * std::atan(narrowing(scene) * std::min(tanY, tanX * path.height / path.width));
+  std::vector<CameraKey>& keys = path.keys;
+  for (std::size_t i = 0; i < tour.size(); ++i) keys.push_back({0, tour[i].position, rotationOf(looks[i]), fovY});
+  if (tour.size() == 1) {
+    keys = keysAcross(scene, keys[0], start);
   } else {
-    path.keys.push_back(path.keys.front());  // a single place: the view stands still
+    const CameraKey first = beyond(scene, tour.front(), keys.front(), keys[1]);
+    const CameraKey last = beyond(scene, tour.back(), keys.back(), keys[keys.size() - 2]);
+    keys.insert(keys.begin(), first);
+    keys.push_back(last);
   }
-  if (frameCount == 1) path.keys = {path.keys[path.keys.size() / 2]};
-
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < path.keys.size(); ++i)
-    steps.push_back(glm::distance(path.keys[i - 1].position, path.keys[i].position));
-  const double typical = steps.empty() || median(steps) == 0 ? 1.0 : median(steps);
-  for (std::size_t i = 1; i < path.keys.size(); ++i) {
-    const double cosine = std::abs(glm::dot(path.keys[i - 1].rotation, path.keys[i].rotation));
-    const double turn = 2 * std::acos(std::min(1.0, cosine));
-    path.keys[i].time = path.keys[i - 1].time + std::max(1e-3, steps[i - 1] / typical + turn / kTurnPerStep);
-  }
-  const double duration = (frameCount - 1) / kFps, total = path.keys.back().time;
-  for (CameraKey& key : path.keys) key.time *= total > 0 ? duration / total : 0;
+  if (frameCount == 1)
+    keys = {keys[keys.size() / 2]};
+  else
+    setTimes(keys, (frameCount - 1) / kFps);
   return path;
 }
 

@@ -7,11 +7,11 @@
 
 namespace ibr::app {
 
-/// A tour of the places where photographs of a cell were taken (of all photographs, where there is no cell), smoothed,
-/// so that it leads between them, and a tenth of a step beyond the first and the last. `frames` of it gives
-/// `frameCount` views. The view turns with the photographs, is held upright and is a little narrower than they are. A
-/// size of 0 is that of the photographs, at most 1280 px and even. Throws Error{invalidInput} where the scene has no
-/// pinhole node.
+/// A tour of the cells' centres (of the photographs' places, where there is no cell), smoothed, so that it leads
+/// between the photographs, and a tenth of a cell's reach beyond the first and the last of them. `frames` of it gives
+/// `frameCount` views. The view turns with the photographs, is held upright, and is narrower than they are by as much
+/// as the cells cover less than them. A size of 0 is that of the photographs, at most 1280 px and even. Throws
+/// Error{invalidInput} where there is no pinhole photograph to visit.
 CameraPath autoPath(const Scene& scene, int frameCount, int width = 0, int height = 0);
 
 }  // namespace ibr::app

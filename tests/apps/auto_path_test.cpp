@@ -27,6 +27,13 @@ Scene row(int count) {
   return scene;
 }
 
+Cell cellOf(std::vector<std::uint32_t> members, double coverage) {
+  Cell cell;
+  cell.members = std::move(members);
+  cell.quality.coverage = coverage;
+  return cell;
+}
+
 bool isRotation(glm::dquat q) {
   return std::abs(glm::length(q) - 1) < 1e-9;
 }
@@ -128,6 +135,45 @@ TEST_CASE("only photographs of a cell are visited, where there are cells") {
   cell.members = {0, 1, 2};
   scene.cells.push_back(cell);
   for (const View& view : frames(autoPath(scene, 40))) CHECK(view.camera.pose.position.y == 0);
+}
+
+TEST_CASE("the walk leads through the middle of cells") {
+  // Two rows of photographs, joined to triangles: the walk keeps between the rows.
+  Scene scene;
+  for (int i = 0; i < 12; ++i) scene.nodes.push_back(nodeAt({double(i / 2), double(i % 2), 0}));
+  for (std::uint32_t i = 0; i + 2 < 12; ++i) scene.cells.push_back(cellOf({i, i + 1, i + 2}, 0.81));
+  const auto views = frames(autoPath(scene, 80));
+  for (const View& view : views) {
+    CHECK(view.camera.pose.position.y > 0.2);
+    CHECK(view.camera.pose.position.y < 0.8);
+  }
+  CHECK(views.front().camera.pose.position.x < 0);  // and slightly beyond both ends
+  CHECK(views.front().camera.pose.position.x > -0.3);
+  CHECK(views.back().camera.pose.position.x > 5);
+  CHECK(views.back().camera.pose.position.x < 5.3);
+}
+
+TEST_CASE("a single cell is crossed from member to member, and slightly beyond") {
+  Scene scene;
+  for (const glm::dvec3 position : {glm::dvec3(0, 0, 0), glm::dvec3(3, 0, 0), glm::dvec3(0, 3, 0)})
+    scene.nodes.push_back(nodeAt(position));
+  scene.cells.push_back(cellOf({0, 1, 2}, 0.5));
+  const auto views = frames(autoPath(scene, 41));
+  CHECK(glm::distance(views.front().camera.pose.position, glm::dvec3(-0.1, -0.1, 0)) < 1e-9);
+  CHECK(glm::distance(views.back().camera.pose.position, glm::dvec3(-0.1, 3.2, 0)) < 1e-9);
+}
+
+TEST_CASE("the less the cells cover, the narrower the view") {
+  double last = 0;
+  for (const double coverage : {0.01, 0.36, 0.64, 1.0}) {
+    Scene scene = row(3);
+    scene.cells = {cellOf({0, 1}, coverage), cellOf({1, 2}, coverage)};
+    const Intrinsics k = frames(autoPath(scene, 2))[0].camera.intrinsics;
+    const double share = (0.5 * k.height / k.fy) / std::tan(0.5);
+    CHECK(share == Approx(std::clamp(std::sqrt(coverage), 0.5, 0.9)));
+    CHECK(share > last);
+    last = share;
+  }
 }
 
 TEST_CASE("degenerate scenes give a path or an error, never NaN") {
