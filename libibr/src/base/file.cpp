@@ -109,8 +109,11 @@ void writeFile(const fs::path& path, std::string_view text) {
 }
 
 fs::path pathInside(const fs::path& folder, const fs::path& relative) {
-  const fs::path root = fs::weakly_canonical(folder);
-  const fs::path path = fs::weakly_canonical(root / relative);
+  std::error_code error;
+  const fs::path root = fs::weakly_canonical(folder, error);
+  const fs::path path = error ? fs::path() : fs::weakly_canonical(root / relative, error);
+  check(!error, ErrorCode::invalidInput, "{}: is no path in {}: {}", relative.string(), folder.string(),
+        error.message());
   const auto [rootEnd, unused] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
   check(relative.is_relative() && rootEnd == root.end() && path != root, ErrorCode::invalidInput,
         "{}: leads outside the folder {}", relative.string(), folder.string());

@@ -4,15 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <set>
 #include <vector>
 
 namespace ibr {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr int kDeepest = 64;
 
 std::string escaped(std::string_view key) {
   std::string result;
@@ -28,57 +25,160 @@ std::string escaped(std::string_view key) {
   return result;
 }
 
+// Builds the document from the parser's events. (The parser's own callbacks would do, but take time quadratic in the
+// length of a list.)
+class Builder {
+ public:
+  explicit Builder(Json& document) : document_(&document) {}
+
+  bool null() { return add(nullptr); }
+  bool boolean(bool value) { return add(value); }
+  bool number_integer(Json::number_integer_t value) { return add(value); }
+  bool number_unsigned(Json::number_unsigned_t value) { return add(value); }
+  bool number_float(Json::number_float_t value, const std::string&) { return add(value); }
+  bool string(std::string& value) { return add(std::move(value)); }
+  bool binary(Json::binary_t&) { return false; }  // JSON text has none
+  bool start_object(std::size_t) { return open(Json::object()); }
+  bool start_array(std::size_t) { return open(Json::array()); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+  bool key(std::string& key) {
+    levels_.back().key = key;
+    const auto [member, isNew] = levels_.back().value->emplace(std::move(key), nullptr);
+    if (!isNew) throw JsonFault(pointer(), "stands twice in one object");
+    member_ = &member.value();
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const Json::exception& e) {
+    throw JsonFault(pointer(), fmt::format("is not valid JSON: {}", e.what()));
+  }
+
+ private:
+  struct Level {
+    Json* value;
+    std::string key;  // the last one of an object
+  };
+
+  Json* place(Json&& value) {
+    constexpr std::size_t kMostValues = std::size_t(1) << 25;
+    if (++values_ > kMostValues) throw JsonFault(pointer(), fmt::format("more than {} values", kMostValues));
+    if (levels_.empty()) return &(*document_ = std::move(value));
+    Json& parent = *levels_.back().value;
+    return parent.is_array() ? &parent.emplace_back(std::move(value)) : &(*member_ = std::move(value));
+  }
+  bool add(Json&& value) {
+    place(std::move(value));
+    return true;
+  }
+  bool open(Json&& value) {
+    constexpr std::size_t kDeepest = 64;
+    if (levels_.size() >= kDeepest)
+      throw JsonFault(pointer(), fmt::format("is nested deeper than {} levels", kDeepest));
+    levels_.push_back({place(std::move(value)), {}});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+  // Of what is being read.
+  std::string pointer() const {
+    std::string result;
+    for (std::size_t i = 0; i < levels_.size(); ++i) {
+      const bool innermost = i + 1 == levels_.size();
+      result += '/';
+      if (levels_[i].value->is_object())
+        result += escaped(levels_[i].key);
+      else
+        result += fmt::format("{}", levels_[i].value->size() - (innermost ? 0 : 1));
+    }
+    return result;
+  }
+
+  Json* document_;
+  std::vector<Level> levels_;
+  Json* member_ = nullptr;
+  std::size_t values_ = 0;
+};
+
+// Appends the pointer of `wanted` below `from`; false where it is not there.
+bool findPointer(const Json& from, const Json* wanted, std::string& pointer) {
+  if (&from == wanted) return true;
+  const std::size_t length = pointer.size();
+  if (from.is_object()) {
+    for (auto member = from.begin(); member != from.end(); ++member) {
+      pointer += '/' + escaped(member.key());
+      if (findPointer(*member, wanted, pointer)) return true;
+      pointer.resize(length);
+    }
+  } else if (from.is_array()) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      pointer += fmt::format("/{}", i);
+      if (findPointer(from[i], wanted, pointer)) return true;
+      pointer.resize(length);
+    }
+  }
+  return false;
+}
+
+// A value for a message: a list or an object might be the whole document.
+std::string shown(const Json& value) {
+  if (value.is_structured()) return fmt::format("an {} of {}", value.type_name(), value.size());
+  std::string text = value.dump();
+  constexpr std::size_t kLongest = 100;
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "…";
+  return text;
+}
+
 }  // namespace
 
 Json parseJson(std::string_view text) {
-  std::vector<std::set<std::string>> keys;  // of the objects that are open
-  const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
-    if (depth > kDeepest) throw JsonFault("", fmt::format("is nested deeper than {} levels", kDeepest));
-    if (event == Json::parse_event_t::object_start) keys.emplace_back();
-    if (event == Json::parse_event_t::object_end) keys.pop_back();
-    if (event == Json::parse_event_t::key && !keys.back().insert(parsed.get<std::string>()).second)
-      throw JsonFault("", fmt::format("the key \"{}\" stands twice in one object", parsed.get<std::string>()));
-    return true;
-  };
-  try {
-    return Json::parse(text.begin(), text.end(), watch);
-  } catch (const Json::exception& e) {
-    throw JsonFault("", fmt::format("is not valid JSON: {}", e.what()));
-  }
+  Json document;
+  Builder builder(document);
+  Json::sax_parse(text.begin(), text.end(), &builder);
+  return document;
+}
+
+std::string JsonValue::pointer() const {
+  std::string pointer;
+  findPointer(*document_, value_, pointer);
+  return pointer;
 }
 
 bool JsonValue::has(const char* key) const {
-  if (!value_->is_object()) fault("is not an object");
+  if (!value_->is_object()) fault(fmt::format("{} is not an object", shown(*value_)));
   return value_->contains(key);
 }
 
 JsonValue JsonValue::operator[](const char* key) const {
-  if (!has(key)) fault(fmt::format("has no \"{}\"", key));
-  return JsonValue(value_->at(key), pointer_ + '/' + escaped(key));
+  if (!value_->is_object()) fault(fmt::format("{} is not an object", shown(*value_)));
+  const auto member = value_->find(key);
+  if (member == value_->end()) fault(fmt::format("has no \"{}\"", key));
+  return JsonValue(*document_, *member);
 }
 
 JsonValue JsonValue::at(std::size_t index) const {
   if (index >= size()) fault(fmt::format("has {} elements, none at {}", size(), index));
-  return JsonValue((*value_)[index], fmt::format("{}/{}", pointer_, index));
+  return JsonValue(*document_, (*value_)[index]);
 }
 
 std::size_t JsonValue::size() const {
-  if (!value_->is_array()) fault("is not an array");
+  if (!value_->is_array()) fault(fmt::format("{} is not an array", shown(*value_)));
   return value_->size();
 }
 
 double JsonValue::number() const {
-  if (!value_->is_number()) fault("is not a number");
+  if (!value_->is_number()) fault(fmt::format("{} is not a number", shown(*value_)));
   const double number = value_->get<double>();
   if (!std::isfinite(number)) fault("is not finite");
   return number;
 }
 
 std::int64_t JsonValue::integer(std::int64_t low, std::int64_t high) const {
-  if (!value_->is_number_integer()) fault(fmt::format("{} is not a whole number", value_->dump()));
+  if (!value_->is_number_integer()) fault(fmt::format("{} is not a whole number", shown(*value_)));
   const bool large = value_->is_number_unsigned() && value_->get<std::uint64_t>() > std::uint64_t(INT64_MAX);
   if (large || value_->get<std::int64_t>() < low || value_->get<std::int64_t>() > high)
-    fault(fmt::format("{} is not within {} to {}", value_->dump(), low, high));
+    fault(fmt::format("{} is not within {} to {}", shown(*value_), low, high));
   return value_->get<std::int64_t>();
 }
 
@@ -88,7 +188,7 @@ std::size_t JsonValue::index(std::size_t count) const {
 }
 
 std::string JsonValue::string() const {
-  if (!value_->is_string()) fault("is not a string");
+  if (!value_->is_string()) fault(fmt::format("{} is not a string", shown(*value_)));
   return value_->get<std::string>();
 }
 

@@ -22,19 +22,18 @@ class JsonFault : public std::runtime_error {
   std::string pointer_;
 };
 
-/// Parses a text of at most 64 levels in which no object has a key twice. Throws JsonFault, with the line and column of
-/// a syntax error in the message.
+/// Parses a text of at most 64 levels and 2^25 values in which no object has a key twice. Throws JsonFault, with the
+/// line and column of a syntax error in the message. The same in every locale with a decimal point of one character.
 nlohmann::json parseJson(std::string_view text);
 
 /// A value and where it stands. Getters throw JsonFault. Cheap to copy; the document must outlive it.
 class JsonValue {
  public:
-  explicit JsonValue(const nlohmann::json& value, std::string pointer = {})
-      : value_(&value), pointer_(std::move(pointer)) {}
+  explicit JsonValue(const nlohmann::json& document) : JsonValue(document, document) {}
 
-  const std::string& pointer() const { return pointer_; }
+  std::string pointer() const;  // found by a search through the document: for messages
   const nlohmann::json& raw() const { return *value_; }
-  [[noreturn]] void fault(const std::string& message) const { throw JsonFault(pointer_, message); }
+  [[noreturn]] void fault(const std::string& message) const { throw JsonFault(pointer(), message); }
 
   bool has(const char* key) const;                                  // of an object
   JsonValue operator[](const char* key) const;                      // member of an object; a missing one is a fault
@@ -46,8 +45,10 @@ class JsonValue {
   std::string string() const;
 
  private:
+  JsonValue(const nlohmann::json& document, const nlohmann::json& value) : document_(&document), value_(&value) {}
+
+  const nlohmann::json* document_;
   const nlohmann::json* value_;
-  std::string pointer_;
 };
 
 }  // namespace ibr

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads scene.gltf and the cells' buffers. Nothing in them is trusted: every number is checked where it is read, every
-// file reference stays inside the scene's folder, every accessor inside its buffer.
+// Reads scene.gltf and the cells' buffers through GltfDocument, which trusts nothing.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 
 #include "base/check.h"
-#include "base/file.h"
 #include "ibr/scene.h"
 #include "image/ktx2.h"
-#include "scene/json_check.h"
+#include "scene/gltf_document.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
 
@@ -22,10 +19,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
-using Bytes = std::vector<std::byte>;
-
-constexpr std::int64_t kLargestCount = std::int64_t(1) << 32;
+using Accessor = GltfDocument::Accessor;
 
 double positive(const JsonValue& value) {
   const double number = value.number();
@@ -49,24 +43,10 @@ glm::dquat quaternion(const JsonValue& value) {
 
 class Reader {
  public:
-  explicit Reader(const fs::path& path)
-      : file_(fs::is_directory(path) ? path / kSceneFileName : path),
-        folder_(file_.has_parent_path() ? file_.parent_path() : fs::path(".")),
-        document_(parseJson(readTextFile(file_))),
-        root_(document_) {
-    if (const JsonValue version = root_["asset"]["version"]; !version.string().starts_with("2."))
-      version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
-    if (!root_.has("nodes")) return;
-    for (std::size_t n = 0; n < root_["nodes"].size(); ++n)
-      if (const JsonValue node = root_["nodes"].at(n); node.has("children"))
-        for (std::size_t c = 0; c < node["children"].size(); ++c)
-          children_.insert(element("nodes", node["children"].at(c)).pointer());
-  }
-
-  const fs::path& file() const { return file_; }
+  explicit Reader(const fs::path& file) : gltf_(file) {}
 
   JsonValue extension() const {
-    const JsonValue extension = root_["extensions"][kSceneExtension];
+    const JsonValue extension = gltf_.root()["extensions"][kSceneExtension];
     if (const JsonValue version = extension["version"]; version.integer(1, INT32_MAX) > kSceneVersion)
       version.fault(
           fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), kSceneVersion));
@@ -75,7 +55,7 @@ class Reader {
 
   void facts(Scene& scene) const {
     const JsonValue extension = this->extension();
-    scene.folder = folder_;
+    scene.folder = gltf_.folder();
     if (extension.has("acquisition")) scene.acquisition = extension["acquisition"].string();
     if (extension.has("settings")) scene.settings = extension["settings"].raw().dump();
     if (extension.has("origin")) {
@@ -87,8 +67,8 @@ class Reader {
 
   Node node(const JsonValue& entry) const {
     Node node;
-    const JsonValue json = element("nodes", entry["node"]);
-    if (children_.contains(json.pointer()))
+    const JsonValue json = gltf_.element("nodes", entry["node"]);
+    if (gltf_.hasParent(json))
       entry["node"].fault(
           fmt::format("{} is another node's child; a photograph's pose stands by itself", json.pointer()));
     node.name = json["name"].string();
@@ -98,12 +78,12 @@ class Reader {
     if (json.has("translation")) node.camera.pose.position = vector3(json["translation"]);
     if (json.has("rotation")) node.camera.pose.rotation = quaternion(json["rotation"]);
     node.camera.intrinsics = intrinsics(entry["camera"]);
-    if (entry.has("image")) node.imageFile = reference(element("images", entry["image"])["uri"]);
-    if (entry.has("texture")) node.textureFile = reference(entry["texture"]["uri"]);
+    if (entry.has("image")) node.imageFile = gltf_.reference(gltf_.element("images", entry["image"])["uri"]);
+    if (entry.has("texture")) node.textureFile = gltf_.reference(entry["texture"]["uri"]);
     return node;
   }
 
-  Cell cell(const JsonValue& entry, const Scene& scene, std::size_t least, std::size_t most) const {
+  Cell cell(const JsonValue& entry, const Scene& scene, std::size_t least, std::size_t most) {
     Cell cell;
     const JsonValue members = entry["members"];
     if (members.size() < least || members.size() > most)
@@ -126,41 +106,7 @@ class Reader {
     return cell;
   }
 
-  /// Below the scene's folder, as the file names it.
-  fs::path reference(const JsonValue& uri) const {
-    const std::string path = decodeUri(uri.string());
-    if (path.empty()) uri.fault(fmt::format("\"{}\" is not a relative path", uri.string()));
-    try {
-      pathInside(folder_, path);
-    } catch (const Error& e) {
-      uri.fault(e.what());
-    }
-    return path;
-  }
-
  private:
-  struct Accessor {
-    JsonValue json;
-    Bytes bytes;  // count elements without gaps
-    std::size_t count, components, componentBytes;
-    float value(std::size_t element, std::size_t component) const {
-      float v;
-      std::memcpy(&v, &bytes[(element * components + component) * 4], 4);
-      return v;
-    }
-    std::uint32_t index(std::size_t i) const {
-      std::uint32_t v = 0;
-      std::memcpy(&v, &bytes[i * componentBytes], componentBytes);
-      return v;
-    }
-  };
-
-  // Element of a top-level list that `index` refers to.
-  JsonValue element(const char* list, const JsonValue& index) const {
-    if (!root_.has(list)) index.fault(fmt::format("refers to \"{}\", which is missing", list));
-    return root_[list].at(index.index(root_[list].size()));
-  }
-
   static Intrinsics intrinsics(const JsonValue& json) {
     Intrinsics k;
     const std::string model = json["model"].string();
@@ -179,56 +125,6 @@ class Reader {
     return k;
   }
 
-  // The bytes of an accessor's elements, gathered over a stride. `types`: those allowed.
-  Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes) const {
-    const JsonValue json = element("accessors", index);
-    if (json["type"].string() != type) json["type"].fault(fmt::format("is {}, not {}", json["type"].string(), type));
-    const auto component = int(json["componentType"].integer(0, 65535));
-    if (std::find(componentTypes.begin(), componentTypes.end(), component) == componentTypes.end())
-      json["componentType"].fault(fmt::format("{} is not allowed here", component));
-    if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
-    if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
-    Accessor result{json, {}, std::size_t(json["count"].integer(1, kLargestCount)), 1, 4};
-    if (const std::string_view name = type; name.starts_with("VEC")) result.components = std::size_t(name[3] - '0');
-    result.componentBytes = component == 5123 ? 2 : 4;
-    const std::size_t element = result.components * result.componentBytes;
-
-    const JsonValue view = this->element("bufferViews", json["bufferView"]);
-    const std::size_t offset = optionalCount(json, "byteOffset"), start = optionalCount(view, "byteOffset");
-    const auto length = std::size_t(view["byteLength"].integer(1, kLargestCount));
-    const std::size_t stride = view.has("byteStride") ? std::size_t(view["byteStride"].integer(4, 252)) : element;
-    if (stride < element)
-      view["byteStride"].fault(fmt::format("{} is less than an element's {} bytes", stride, element));
-    if (offset + (result.count - 1) * stride + element > length)
-      json.fault(fmt::format("its {} elements reach beyond the buffer view's {} bytes", result.count, length));
-    const Bytes& buffer = this->buffer(view["buffer"]);
-    if (start + length > buffer.size())
-      view.fault(fmt::format("reaches to byte {} of a buffer of {}", start + length, buffer.size()));
-    result.bytes.resize(result.count * element);
-    for (std::size_t i = 0; i < result.count; ++i)
-      std::memcpy(&result.bytes[i * element], &buffer[start + offset + i * stride], element);
-    return result;
-  }
-
-  static std::size_t optionalCount(const JsonValue& json, const char* key) {
-    return json.has(key) ? std::size_t(json[key].integer(0, kLargestCount)) : 0;
-  }
-
-  // One buffer is kept: a cell's arrays are all in one.
-  const Bytes& buffer(const JsonValue& index) const {
-    const JsonValue json = element("buffers", index);
-    if (json.pointer() == bufferPointer_) return buffer_;
-    const auto length = std::size_t(json["byteLength"].integer(1, kLargestCount));
-    const fs::path path = folder_ / reference(json["uri"]);
-    bufferPointer_.clear();
-    buffer_ = readFile(path);
-    if (buffer_.size() < length)
-      json["byteLength"].fault(fmt::format("is {}, but {} has {} bytes", length, path.string(), buffer_.size()));
-    buffer_.resize(length);
-    bufferPointer_ = json.pointer();
-    return buffer_;
-  }
-
   // Floats of one attribute, each checked.
   template <class Check>
   static std::vector<float> floats(const Accessor& a, std::size_t component, Check&& holds, const char* what) {
@@ -241,8 +137,8 @@ class Reader {
     return values;
   }
 
-  void mesh(const JsonValue& entry, const Scene& scene, Cell& cell) const {
-    const JsonValue primitives = element("meshes", entry["mesh"])["primitives"];
+  void mesh(const JsonValue& entry, const Scene& scene, Cell& cell) {
+    const JsonValue primitives = gltf_.element("meshes", entry["mesh"])["primitives"];
     const JsonValue tiers = entry["tiers"], ecc = entry["ecc"];
     if (primitives.size() < 1 || primitives.size() > 2) primitives.fault("are not one or two");
     if (tiers.size() > primitives.size()) tiers.fault("has more elements than the mesh has primitives");
@@ -259,13 +155,13 @@ class Reader {
     }
   }
 
-  void vertices(const JsonValue& attributes, const Scene& scene, Cell& cell) const {
-    constexpr int kFloat = 5126;
+  void vertices(const JsonValue& attributes, const Scene& scene, Cell& cell) {
+    constexpr int kFloat = GltfDocument::kFloat;
     constexpr std::array kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
     const std::size_t d = cell.members.size();
     MorphMesh& mesh = cell.mesh;
     const auto any = [](float) { return true; };
-    const Accessor ratio = accessor(attributes["_RATIO"], kTypes[d - 1], {kFloat});
+    const Accessor ratio = gltf_.accessor(attributes["_RATIO"], kTypes[d - 1], {kFloat});
     const std::size_t points = ratio.count;
     const auto sized = [&](Accessor a) {
       if (a.count != points) a.json["count"].fault(fmt::format("is {}, but _RATIO has {}", a.count, points));
@@ -274,18 +170,18 @@ class Reader {
     for (std::size_t i = 0; i < d; ++i) {
       mesh.ratio[i] = floats(
           ratio, i, [](float v) { return v > 0; }, "is not positive");
-      const Accessor at = sized(accessor(attributes[fmt::format("TEXCOORD_{}", i).c_str()], "VEC2", {kFloat}));
+      const Accessor at = sized(gltf_.accessor(attributes[fmt::format("TEXCOORD_{}", i).c_str()], "VEC2", {kFloat}));
       const std::vector<float> u = floats(at, 0, any, "is not finite"), v = floats(at, 1, any, "is not finite");
       const Intrinsics& k = scene.nodes[cell.members[i]].camera.intrinsics;
       for (std::size_t p = 0; p < points; ++p)
         mesh.match[i].emplace_back(matchFromTexture(u[p], k.width), matchFromTexture(v[p], k.height));
     }
     const auto notNegative = [](float v) { return v >= 0; };
-    mesh.inverseDistance = floats(sized(accessor(attributes["_INVERSE_DISTANCE"], "SCALAR", {kFloat})), 0, notNegative,
-                                  "is negative or not finite");
-    mesh.uncertainty = floats(sized(accessor(attributes["_UNCERTAINTY"], "SCALAR", {kFloat})), 0, notNegative,
+    mesh.inverseDistance = floats(sized(gltf_.accessor(attributes["_INVERSE_DISTANCE"], "SCALAR", {kFloat})), 0,
+                                  notNegative, "is negative or not finite");
+    mesh.uncertainty = floats(sized(gltf_.accessor(attributes["_UNCERTAINTY"], "SCALAR", {kFloat})), 0, notNegative,
                               "is negative or not finite");
-    const Accessor position = sized(accessor(attributes["POSITION"], "VEC3", {kFloat}));
+    const Accessor position = sized(gltf_.accessor(attributes["POSITION"], "VEC3", {kFloat}));
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
     for (std::size_t p = 0; p < points; ++p) {
       const glm::vec3 stored(position.value(p, 0), position.value(p, 1), position.value(p, 2));
@@ -298,10 +194,10 @@ class Reader {
     }
   }
 
-  void triangles(const JsonValue& indices, const JsonValue& ecc, std::uint8_t tier, MorphMesh& mesh) const {
-    const Accessor list = accessor(indices, "SCALAR", {5123, 5125});
+  void triangles(const JsonValue& indices, const JsonValue& ecc, std::uint8_t tier, MorphMesh& mesh) {
+    const Accessor list = gltf_.accessor(indices, "SCALAR", {GltfDocument::kUnsignedShort, GltfDocument::kUnsignedInt});
     if (list.count % 3 != 0) list.json["count"].fault(fmt::format("{} is not a multiple of 3", list.count));
-    const Accessor labels = accessor(ecc, "SCALAR", {5126});
+    const Accessor labels = gltf_.accessor(ecc, "SCALAR", {GltfDocument::kFloat});
     if (labels.count != list.count / 3)
       labels.json["count"].fault(fmt::format("is {}, but there are {} triangles", labels.count, list.count / 3));
     const std::vector<float> values = floats(
@@ -318,12 +214,7 @@ class Reader {
     }
   }
 
-  fs::path file_, folder_;
-  Json document_;
-  JsonValue root_;
-  std::set<std::string> children_;  // pointers of nodes that have a parent
-  mutable Bytes buffer_;
-  mutable std::string bufferPointer_;
+  GltfDocument gltf_;
 };
 
 // Calls `step`; a fault is thrown as an Error, or kept where faults are collected.
@@ -360,7 +251,7 @@ class FaultSink {
 };
 
 // Everything that can be read; cells are left out where nodes are at fault, since they refer to them.
-Scene readAll(const Reader& reader, FaultSink& sink) {
+Scene readAll(Reader& reader, FaultSink& sink) {
   Scene scene;
   sink.run([&] { reader.facts(scene); });
   bool whole = sink.run([&] {
@@ -385,6 +276,10 @@ Scene readAll(const Reader& reader, FaultSink& sink) {
   };
   read("cells", 2, 4, scene.cells);
   read("backdrops", 1, 1, scene.backdrops);
+  std::set<std::uint32_t> covered;
+  for (std::size_t b = 0; b < scene.backdrops.size(); ++b)
+    if (const std::uint32_t node = scene.backdrops[b].members[0]; !covered.insert(node).second)
+      sink.run([&] { reader.extension()["backdrops"].fault(fmt::format("photograph {} has two", node)); });
   return scene;
 }
 
@@ -399,38 +294,51 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       sink.add(at, "has no \"texture\", so nothing of it can be rendered");
       continue;
     }
-    sink.run([&] {
-      const std::vector<Image8> levels = readKtx2(scene.folder / node.textureFile);
-      const Intrinsics& k = node.camera.intrinsics;
-      if (levels[0].width != k.width || levels[0].height != k.height)
-        throw JsonFault(at + "/texture", fmt::format("{} is {}x{}, the camera {}x{}", node.textureFile.string(),
-                                                     levels[0].width, levels[0].height, k.width, k.height));
-    });
+    const Intrinsics& k = node.camera.intrinsics;
+    try {
+      const Ktx2Info texture = probeKtx2(scene.folder / node.textureFile);
+      const int levels = std::bit_width(unsigned(std::max(k.width, k.height)));
+      if (texture.width != k.width || texture.height != k.height || texture.levels != levels)
+        sink.add(at + "/texture",
+                 fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
+                             texture.width, texture.height, texture.levels, k.width, k.height, levels));
+    } catch (const Error& e) {
+      sink.add(at + "/texture", e.what());
+    }
   }
+}
+
+fs::path sceneFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored) ? path / kSceneFileName : path;
 }
 
 }  // namespace
 
 Scene loadScene(const fs::path& path) {
-  std::optional<Reader> reader;
-  FaultSink sink(path, nullptr, 0);
-  sink.run([&] { reader.emplace(path); });
-  FaultSink inFile(reader->file(), nullptr, 0);
-  Scene scene = readAll(*reader, inFile);
+  const fs::path file = sceneFile(path);
+  FaultSink sink(file, nullptr, 0);
+  Scene scene;
+  sink.run([&] {
+    Reader reader(file);
+    scene = readAll(reader, sink);
+  });
   // The reader has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
   if (const std::vector<Fault> faults = validate(scene, 1); !faults.empty())
-    fail(ErrorCode::invalidInput, "{}: {} {}", reader->file().string(), faults[0].field, faults[0].message);
+    fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
   return scene;
 }
 
 std::vector<Fault> validateSceneFiles(const fs::path& path, std::size_t limit) {
+  const fs::path file = sceneFile(path);
   std::vector<Fault> faults;
-  std::optional<Reader> reader;
-  FaultSink sink(path, &faults, limit);
-  if (!sink.run([&] { reader.emplace(path); })) return faults;
-  const Scene scene = readAll(*reader, sink);
-  checkFiles(scene, sink);
-  if (faults.empty()) faults = validate(scene, limit);
+  FaultSink sink(file, &faults, limit);
+  sink.run([&] {
+    Reader reader(file);
+    const Scene scene = readAll(reader, sink);
+    checkFiles(scene, sink);
+    if (faults.empty()) faults = validate(scene, limit);
+  });
   return faults;
 }
 

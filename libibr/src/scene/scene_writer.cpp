@@ -13,6 +13,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/scene.h"
+#include "scene/json_check.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
 
@@ -55,6 +56,49 @@ Json exactCamera(const Intrinsics& k) {
   return camera;
 }
 
+// Of the outermost `levels` every entry has a line, the extension's lists too; what lies deeper stands in one line.
+void print(const Json& value, int levels, std::string& text) {
+  if (levels == 0 || !value.is_structured() || value.empty()) {
+    text += value.dump();
+    return;
+  }
+  const char* separator = value.is_array() ? "[\n" : "{\n";
+  for (const auto& [key, entry] : value.items()) {
+    text += separator;
+    separator = ",\n";
+    if (value.is_object()) text += Json(key).dump() + ": ";
+    print(entry, key == "extensions" ? 3 : levels - 1, text);
+  }
+  text += value.is_array() ? "\n]" : "\n}";
+}
+
+// What validate() cannot know: whether the scene's texts can stand in a JSON file, and its files beside it.
+void checkTexts(const Scene& scene, const std::string& folder) {
+  const auto demandUtf8 = [&](const std::string& text, const std::string& field) {
+    try {
+      Json(text).dump();
+    } catch (const Json::exception&) {
+      fail(ErrorCode::invalidInput, "{}: scene cannot be saved: {} is not UTF-8", folder, field);
+    }
+  };
+  const auto demandInside = [&](const fs::path& file, const std::string& field) {
+    const fs::path normal = file.lexically_normal();
+    check(file.empty() || (file.is_relative() && normal != "." && *normal.begin() != ".."), ErrorCode::invalidInput,
+          "{}: scene cannot be saved: {} \"{}\" leads outside the scene's folder", folder, field, file.string());
+  };
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    demandUtf8(scene.nodes[n].name, fmt::format("nodes[{}].name", n));
+    demandInside(scene.nodes[n].imageFile, fmt::format("nodes[{}].imageFile", n));
+    demandInside(scene.nodes[n].textureFile, fmt::format("nodes[{}].textureFile", n));
+  }
+  demandUtf8(scene.acquisition, "acquisition");
+  try {
+    if (!scene.settings.empty()) parseJson(scene.settings);
+  } catch (const JsonFault& fault) {
+    fail(ErrorCode::invalidInput, "{}: scene cannot be saved: settings {} {}", folder, fault.pointer(), fault.what());
+  }
+}
+
 // Grows one glTF document.
 class Writer {
  public:
@@ -94,7 +138,7 @@ class Writer {
   std::string document(Json cells, Json backdrops) {
     Json extension{{"version", kSceneVersion}};
     if (!scene_.acquisition.empty()) extension["acquisition"] = scene_.acquisition;
-    if (!scene_.settings.empty()) extension["settings"] = Json::parse(scene_.settings);
+    if (!scene_.settings.empty()) extension["settings"] = parseJson(scene_.settings);
     if (scene_.origin)
       extension["origin"] = {{"latitudeDegrees", scene_.origin->latitudeDegrees},
                              {"longitudeDegrees", scene_.origin->longitudeDegrees},
@@ -115,7 +159,9 @@ class Writer {
     for (auto& [name, list] : lists_)
       if (!list.empty()) gltf[name] = std::move(list);
     gltf["extensions"] = {{kSceneExtension, std::move(extension)}};
-    return gltf.dump(1) + '\n';
+    std::string text;
+    print(gltf, 2, text);
+    return text + '\n';
   }
 
   const std::set<std::string>& files() const { return files_; }
@@ -224,6 +270,7 @@ void saveScene(const Scene& scene, const fs::path& folder) {
   if (const std::vector<Fault> faults = validate(scene, 1); !faults.empty())
     fail(ErrorCode::invalidInput, "{}: scene cannot be saved: {} {}", folder.string(), faults[0].field,
          faults[0].message);
+  checkTexts(scene, folder.string());
   std::error_code error;
   fs::create_directories(folder / "cells", error);
   check(!error, ErrorCode::io, "{}: cannot be made: {}", (folder / "cells").string(), error.message());

@@ -63,6 +63,9 @@ TEST_CASE("paths stay inside their folder") {
   CHECK(codeOf([&] { pathInside(folder.path(), "images/../../x"); }) == ErrorCode::invalidInput);
   CHECK(codeOf([&] { pathInside(folder.path(), "/etc/passwd"); }) == ErrorCode::invalidInput);
   CHECK(codeOf([&] { pathInside(folder.path(), "."); }) == ErrorCode::invalidInput);
+  CHECK(codeOf([&] { pathInside(folder.path(), std::string(5000, 'x')); }) == ErrorCode::invalidInput);
+  fs::create_symlink("loop", folder / "loop");
+  CHECK(codeOf([&] { pathInside(folder.path(), "loop/x"); }) == ErrorCode::invalidInput);
   fs::create_directory_symlink("/etc", folder / "link");
   CHECK(codeOf([&] { pathInside(folder.path(), "link/passwd"); }) == ErrorCode::invalidInput);
 }

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/gltf_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/file.h"
+#include "ibr/error.h"
+#include "scene/scene_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kLargestCount = std::int64_t(1) << 32;
+
+std::size_t optionalCount(const JsonValue& json, const char* key) {
+  return json.has(key) ? std::size_t(json[key].integer(0, kLargestCount)) : 0;
+}
+
+}  // namespace
+
+GltfDocument::GltfDocument(const fs::path& file)
+    : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), json_(parseJson(readTextFile(file))) {
+  if (const JsonValue version = root()["asset"]["version"]; !version.string().starts_with("2."))
+    version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
+  if (root().has("extensionsRequired"))
+    for (std::size_t i = 0; i < root()["extensionsRequired"].size(); ++i)
+      if (const JsonValue name = root()["extensionsRequired"].at(i);
+          name.string() != kSceneExtension && name.string() != "KHR_materials_unlit")
+        name.fault(fmt::format("the extension \"{}\" is required and not known here", name.string()));
+  if (!root().has("nodes")) return;
+  for (std::size_t n = 0; n < root()["nodes"].size(); ++n)
+    if (const JsonValue node = root()["nodes"].at(n); node.has("children"))
+      for (std::size_t c = 0; c < node["children"].size(); ++c)
+        children_.insert(&element("nodes", node["children"].at(c)).raw());
+}
+
+JsonValue GltfDocument::element(const char* list, const JsonValue& index) const {
+  if (!root().has(list)) index.fault(fmt::format("refers to \"{}\", which is missing", list));
+  return root()[list].at(index.index(root()[list].size()));
+}
+
+fs::path GltfDocument::reference(const JsonValue& uri) const {
+  const std::string path = decodeUri(uri.string());
+  if (path.empty()) uri.fault(fmt::format("\"{}\" is not a relative path", uri.string()));
+  try {
+    pathInside(folder_, path);
+  } catch (const Error& e) {
+    uri.fault(e.what());
+  }
+  return path;
+}
+
+float GltfDocument::Accessor::value(std::size_t element, std::size_t component) const {
+  float value;
+  std::memcpy(&value, &bytes[(element * components + component) * sizeof value], sizeof value);
+  return value;
+}
+
+std::uint32_t GltfDocument::Accessor::index(std::size_t element) const {
+  std::uint32_t value = 0;
+  std::memcpy(&value, &bytes[element * componentBytes], componentBytes);
+  return value;
+}
+
+GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char* type,
+                                              std::initializer_list<int> componentTypes) {
+  const JsonValue json = element("accessors", index);
+  if (json["type"].string() != type) json["type"].fault(fmt::format("is {}, not {}", json["type"].string(), type));
+  const auto component = int(json["componentType"].integer(0, 65535));
+  if (std::find(componentTypes.begin(), componentTypes.end(), component) == componentTypes.end())
+    json["componentType"].fault(fmt::format("{} is not allowed here", component));
+  if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
+  if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
+  Accessor result{
+      json, std::size_t(json["count"].integer(1, kLargestCount)), 1, component == kUnsignedShort ? 2u : 4u, {}};
+  if (const std::string_view name = type; name.starts_with("VEC")) result.components = std::size_t(name[3] - '0');
+  const std::size_t size = result.components * result.componentBytes;
+
+  const JsonValue view = element("bufferViews", json["bufferView"]);
+  const std::size_t offset = optionalCount(json, "byteOffset"), start = optionalCount(view, "byteOffset");
+  const auto length = std::size_t(view["byteLength"].integer(1, kLargestCount));
+  const std::size_t stride = view.has("byteStride") ? std::size_t(view["byteStride"].integer(4, 252)) : size;
+  if (view.has("byteStride") && (stride < size || stride % 4 != 0))
+    view["byteStride"].fault(fmt::format("{} is not a multiple of 4 that holds {} bytes", stride, size));
+  if (offset % result.componentBytes != 0)
+    json["byteOffset"].fault(fmt::format("{} is not a multiple of {}", offset, result.componentBytes));
+  if (start % result.componentBytes != 0)
+    view["byteOffset"].fault(fmt::format("{} is not a multiple of {}", start, result.componentBytes));
+  if (offset + (result.count - 1) * stride + size > length)
+    json.fault(fmt::format("its {} elements reach beyond the buffer view's {} bytes", result.count, length));
+  const std::vector<std::byte>& buffer = this->buffer(view["buffer"]);
+  if (start + length > buffer.size())
+    view.fault(fmt::format("reaches to byte {} of a buffer of {}", start + length, buffer.size()));
+  result.bytes.resize(result.count * size);
+  for (std::size_t i = 0; i < result.count; ++i)
+    std::memcpy(&result.bytes[i * size], &buffer[start + offset + i * stride], size);
+  return result;
+}
+
+const std::vector<std::byte>& GltfDocument::buffer(const JsonValue& index) {
+  const JsonValue json = element("buffers", index);
+  if (&json.raw() == bufferJson_) return buffer_;
+  const auto length = std::size_t(json["byteLength"].integer(1, kLargestCount));
+  const fs::path path = folder_ / reference(json["uri"]);
+  bufferJson_ = nullptr;
+  buffer_ = readFile(path);
+  if (buffer_.size() < length)
+    json["byteLength"].fault(fmt::format("is {}, but {} has {} bytes", length, path.string(), buffer_.size()));
+  buffer_.resize(length);
+  bufferJson_ = &json.raw();
+  return buffer_;
+}
+
+}  // namespace ibr

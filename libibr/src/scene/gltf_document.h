@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A glTF 2.0 document and the buffers beside it. Nothing in them is trusted: every number is checked where it is read,
+// every file reference stays inside the document's folder, every accessor inside its buffer. Faults are JsonFaults,
+// files that cannot be read Error{io}.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <set>
+#include <vector>
+
+#include "scene/json_check.h"
+
+namespace ibr {
+
+class GltfDocument {
+ public:
+  explicit GltfDocument(const std::filesystem::path& file);
+  GltfDocument(const GltfDocument&) = delete;
+  GltfDocument& operator=(const GltfDocument&) = delete;
+
+  const std::filesystem::path& folder() const { return folder_; }
+  JsonValue root() const { return JsonValue(json_); }
+
+  /// Element of a top-level list that `index` refers to.
+  JsonValue element(const char* list, const JsonValue& index) const;
+
+  bool hasParent(const JsonValue& node) const { return children_.contains(&node.raw()); }
+
+  /// A file inside the folder, relative to it.
+  std::filesystem::path reference(const JsonValue& uri) const;
+
+  /// The elements of an accessor, without the gaps of a stride.
+  struct Accessor {
+    JsonValue json;
+    std::size_t count, components, componentBytes;
+    std::vector<std::byte> bytes;
+
+    float value(std::size_t element, std::size_t component) const;  // where components are floats
+    std::uint32_t index(std::size_t element) const;                 // where there is one component, a whole number
+  };
+  /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` those allowed, of kFloat and so on. The last buffer is
+  /// kept, so that accessors are best read buffer by buffer; not to be called from several threads.
+  static constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+  Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes);
+
+ private:
+  const std::vector<std::byte>& buffer(const JsonValue& index);
+
+  std::filesystem::path folder_;
+  nlohmann::json json_;
+  std::set<const nlohmann::json*> children_;  // nodes that have a parent
+  std::vector<std::byte> buffer_;
+  const nlohmann::json* bufferJson_ = nullptr;  // whose contents buffer_ has
+};
+
+}  // namespace ibr
