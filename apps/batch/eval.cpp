@@ -174,7 +174,9 @@ const Command kEvalCommand{
         "in "
         "PSNR and SSIM and are left out of the 'covered' columns. -o writes prediction, truth and four times the "
         "difference "
-        "side by side. ms is the time from planning until the picture is on the host.",
+        "side by side. ms is the time from planning until the picture is on the host. In JSON, PSNR is null where "
+        "nothing is "
+        "covered and where pictures are equal.",
     .afterInterrupt = "Nothing was reported; run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

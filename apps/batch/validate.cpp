@@ -23,7 +23,8 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
   if (faults.empty())
     context.print("{}: no fault\n", scene);
   else
-    context.print("{}: {}{} faults\n", scene, faults.size() == kMostFaults ? "at least " : "", faults.size());
+    context.print("{}: {}{} fault{}\n", scene, faults.size() == kMostFaults ? "at least " : "", faults.size(),
+                  faults.size() == 1 ? "" : "s");
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return faults.empty() ? kExitOk : kExitInvalidInput;
 }

@@ -71,9 +71,7 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK(runProgram({"validate", folder / "scene"}).code == 0);
   }
   SECTION("validate names every fault") {
-    const std::string file = folder / "scene/scene.gltf";
-    std::string text = readTextFile(file);
-    for (auto& entry : fs::directory_iterator(folder / "scene/textures")) fs::remove(entry.path());
+    fs::remove_all(folder / "scene/textures");
     const auto outcome2 = runProgram({"validate", folder / "scene", "--json", "-"});
     CHECK(outcome2.code == 3);
     const auto faults = nlohmann::json::parse(outcome2.out).at("faults");

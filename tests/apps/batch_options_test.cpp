@@ -138,7 +138,9 @@ TEST_CASE("a malformed file is exit code 3, and named") {
     INFO(line[0]);
     const auto outcome = runProgram(line);
     CHECK(outcome.code == 3);
-    CHECK_THAT(outcome.err + outcome.out, Contains("scene.gltf") || Contains("cameras.txt"));
+    CHECK_THAT(outcome.err + outcome.out, Contains(folder.path().string()));
+    CHECK_THAT(outcome.err + outcome.out,
+               Contains("scene.gltf") || Contains("cameras.txt") || Contains("/asset: is not valid JSON"));
   }
 }
 

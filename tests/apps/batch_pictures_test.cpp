@@ -12,9 +12,9 @@ using test::runProgram;
 
 TEST_CASE("compare: figures, tolerance and difference picture") {
   test::TemporaryFolder folder;
-  Image8 a(20, 10, 3, 100), b = a;
-  b.pixel(3, 4)[1] = 110;   // 1 of 200 pixels by 10 levels
-  b.pixel(19, 9)[2] = 103;  // another by 3
+  Image8 a(20, 20, 3, 100), b = a;
+  b.pixel(3, 4)[1] = 110;    // 1 of 400 pixels by 10 levels
+  b.pixel(19, 19)[2] = 103;  // another by 3
   writeImage(folder / "a.png", a);
   writeImage(folder / "b.png", b);
   const auto compare = [&](std::vector<std::string> more) {
@@ -23,25 +23,25 @@ TEST_CASE("compare: figures, tolerance and difference picture") {
     return runProgram(line).code;
   };
   CHECK(compare({}) == 0);
-  CHECK(compare({"--tolerance", "0", "1", "10"}) == 0);
-  CHECK(compare({"--tolerance", "0", "0.9", "255"}) == 6);
-  CHECK(compare({"--tolerance", "3", "0.5", "10"}) == 0);
-  CHECK(compare({"--tolerance", "3", "0.4", "10"}) == 6);
+  CHECK(compare({"--tolerance", "0", "0.5", "10"}) == 0);
+  CHECK(compare({"--tolerance", "0", "0.45", "255"}) == 6);
+  CHECK(compare({"--tolerance", "3", "0.25", "10"}) == 0);
+  CHECK(compare({"--tolerance", "3", "0.2", "10"}) == 6);
   CHECK(compare({"--tolerance", "0", "100", "9"}) == 6);
 
   const std::string json = folder / "report.json", picture = folder / "difference.png";
-  CHECK(compare({"--tolerance", "3", "0.5", "10", "--json", json, "-o", picture, "--gain", "20"}) == 0);
+  CHECK(compare({"--tolerance", "3", "0.25", "10", "--json", json, "-o", picture, "--gain", "20"}) == 0);
   const auto report = nlohmann::json::parse(readTextFile(json));
   CHECK(report.at("largest") == 10);
-  CHECK(report.at("percentAbove").get<double>() == Approx(0.5));
-  CHECK(report.at("meanAbsolute").get<double>() == Approx(13.0 / 600));
-  CHECK(report.at("psnr").get<double>() == Approx(10 * std::log10(255.0 * 255.0 * 600 / 109)));
+  CHECK(report.at("percentAbove").get<double>() == Approx(0.25));
+  CHECK(report.at("meanAbsolute").get<double>() == Approx(13.0 / 1200));
+  CHECK(report.at("psnr").get<double>() == Approx(10 * std::log10(255.0 * 255.0 * 1200 / 109)));
   CHECK(report.at("ssim").get<double>() < 1);
   CHECK(report.at("within") == true);
   CHECK(report.at("flip").is_null());
-  Image8 expected(20, 10, 3, 0);
+  Image8 expected(20, 20, 3, 0);
   expected.pixel(3, 4)[1] = 200;
-  expected.pixel(19, 9)[2] = 60;
+  expected.pixel(19, 19)[2] = 60;
   CHECK(readImage(picture) == expected);
 
   const auto same =

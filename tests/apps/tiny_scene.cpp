@@ -71,7 +71,7 @@ TinySet makeTinySet(const fs::path& folder) {
   options.gridStep = 12;
   const SyntheticScene made = makeScene(options);
 
-  TinySet set{folder / "photographs", {}};
+  TinySet set{folder / "photographs", {}, folder / "truth"};
   const char* const names[] = {"a/0.png", "a/1.png", "b/2.png"};
   for (std::size_t i = 0; i < 3; ++i) {
     set.cameras.push_back({names[i], options.cameras[i]});
@@ -86,6 +86,10 @@ TinySet makeTinySet(const fs::path& folder) {
       points.back().observations.push_back({cell.members[i], cell.mesh.match[i][p]});
   }
   writeModel(set.photographs / "sparse", set.cameras, points);
+  const Camera between{options.cameras[0].intrinsics, {glm::dvec3(0.23, 0.13, 0), {1, 0, 0, 0}}};
+  writeColmapModel(set.truth / "sparse", {{"between.png", between}});
+  fs::create_directories(set.truth / "images");
+  writeImage(set.truth / "images/between.png", renderTruth(made, between));
   return set;
 }
 

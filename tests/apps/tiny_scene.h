@@ -21,6 +21,7 @@ void writeColmapModel(const std::filesystem::path& folder, const std::vector<Nam
 struct TinySet {
   std::filesystem::path photographs;  // a/0.png, a/1.png, b/2.png, and sparse/ with the model
   std::vector<NamedCamera> cameras;
+  std::filesystem::path truth;  // images/between.png and sparse/: a view between the photographs, as it really looks
 };
 
 /// Writes the set below `folder`.
