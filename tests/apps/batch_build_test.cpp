@@ -109,8 +109,12 @@ TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());
   const std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene"};
-  const auto stopped =
-      runProgram(line, {.interruptWhen = [](const std::string& err) { return Contains("%").match(err); }});
+  test::Outcome stopped;
+  // On a busy machine the signal may come after the end; then once more.
+  for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
+    fs::remove_all(folder / "scene");
+    stopped = runProgram(line, {.interruptWhen = [](const std::string& err) { return Contains("%").match(err); }});
+  }
   INFO(stopped.err);
   CHECK(stopped.code == 130);
   CHECK_THAT(stopped.err, Contains("run the same command again"));
