@@ -38,6 +38,7 @@ Ecc ecc(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, double
     varianceA += Wide(samples) * sumAA - Wide(sumA) * sumA;
     varianceB += Wide(samples) * sumBB - Wide(sumB) * sumB;
   }
+  if (samples == 0) return {};
   const double scale = 1.0 / (3.0 * double(samples) * double(samples));
   return fromMoments(samples, double(covariance) * scale, double(varianceA) * scale, double(varianceB) * scale,
                      varianceFloor);
@@ -55,6 +56,7 @@ void EccSums::add(glm::dvec3 a, glm::dvec3 b) {
 }
 
 Ecc EccSums::result(double varianceFloor) const {
+  if (count_ == 0) return {};
   const double n = double(count_), scale = 1.0 / (3.0 * n);
   return fromMoments(count_, (sumAB_ - glm::dot(sumA_, sumB_) / n) * scale,
                      (sumAA_ - glm::dot(sumA_, sumA_) / n) * scale, (sumBB_ - glm::dot(sumB_, sumB_) / n) * scale,

@@ -39,16 +39,19 @@ glm::dvec3 direction(const Intrinsics& k, glm::dvec2 pixel) {
 }  // namespace
 
 Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
-  const double focal = 0.5 * height / std::tan(0.5 * fovYRadians);
-  check(width >= 1 && height >= 1 && fovYRadians > 0.0 && fovYRadians < kPi && std::isfinite(focal),
+  const double tangent = std::tan(0.5 * fovYRadians);
+  const double focal = tangent > 0.0 ? 0.5 * height / tangent : 0.0;
+  check(width >= 1 && height >= 1 && fovYRadians > 0.0 && fovYRadians < kPi && focal > 0.0 && std::isfinite(focal),
         ErrorCode::invalidInput, "no pinhole has {}x{} px and a field of view of {} radians", width, height,
         fovYRadians);
   return {CameraModel::pinhole, width, height, focal, focal, 0.5 * width, 0.5 * height};
 }
 
 glm::dvec3 unproject(const Intrinsics& k, glm::dvec2 pixel) {
-  const glm::dvec3 ray = direction(k, pixel);
-  check(finite(pixel) && finite(ray), ErrorCode::invalidInput,
+  const bool usable =
+      k.model == CameraModel::equirectangular ? k.width > 0 && k.height > 0 : k.fx != 0.0 && k.fy != 0.0;
+  const glm::dvec3 ray = usable ? direction(k, pixel) : glm::dvec3(0.0);
+  check(usable && finite(pixel) && finite(ray), ErrorCode::invalidInput,
         "pixel ({}, {}) of a camera with f ({}, {}) and c ({}, {}) has no direction", pixel.x, pixel.y, k.fx, k.fy,
         k.cx, k.cy);
   return ray;
@@ -62,9 +65,9 @@ std::optional<glm::dvec2> project(const Intrinsics& k, glm::dvec3 d) {
     return glm::dvec2((std::atan2(d.x, -d.z) / (2.0 * kPi) + 0.5) * k.width,
                       (0.5 - std::atan2(d.y, std::hypot(d.x, d.z)) / kPi) * k.height);
   }
+  if (!(d.z < 0.0)) return std::nullopt;
   const glm::dvec2 pixel(k.cx - k.fx * (d.x / d.z), k.cy + k.fy * (d.y / d.z));
-  if (!(d.z < 0.0) || !finite(pixel)) return std::nullopt;
-  return pixel;
+  return finite(pixel) ? std::optional(pixel) : std::nullopt;
 }
 
 glm::dvec3 viewAxis(const Pose& pose) {

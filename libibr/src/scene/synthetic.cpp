@@ -62,7 +62,8 @@ std::optional<Hit> firstHit(const std::vector<TexturedPlane>& planes, glm::dvec3
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const TexturedPlane& plane = planes[i];
     const glm::dvec3 normal = glm::cross(plane.u, plane.v), toCentre = plane.origin - from;
-    const double distance = glm::dot(normal, toCentre) / glm::dot(normal, direction);
+    const double approach = glm::dot(normal, direction);
+    const double distance = approach != 0.0 ? glm::dot(normal, toCentre) / approach : 0.0;
     if (!(distance > 0.0) || !std::isfinite(distance) || (first && distance >= first->distance)) continue;
     const glm::dvec3 offset = distance * direction - toCentre;
     const glm::dvec2 at(glm::dot(offset, plane.u), glm::dot(offset, plane.v));
