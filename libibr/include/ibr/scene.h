@@ -91,7 +91,7 @@ struct Fault {
 /// Files are not looked at.
 std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
 
-/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0.
+/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0 or the mean is not finite.
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
 
 /// Reads `path`: a scene's folder, or its scene.gltf. Throws Error (io, invalidInput; file and JSON pointer named).

@@ -11,12 +11,17 @@
 
 namespace ibr {
 
-CellQuality::CellQuality()
-    : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage) {}
+CellQuality::CellQuality() : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage) {}
 
 std::size_t MorphMesh::tier0Count() const {
   return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));
 }
+
+namespace {
+bool finite(glm::dvec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+}  // namespace
 
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point) {
   const double inverseDistance = cell.mesh.inverseDistance[point];
@@ -27,7 +32,8 @@ std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, s
     const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][point]);
     sum += camera.pose.position + ray * (cell.mesh.ratio[i][point] / inverseDistance);
   }
-  return sum / double(cell.members.size());
+  const glm::dvec3 mean = sum / double(cell.members.size());
+  return finite(mean) ? std::optional(mean) : std::nullopt;
 }
 
 namespace {
@@ -47,8 +53,6 @@ class Faults {
   std::size_t limit_;
   std::vector<Fault> list_;
 };
-
-bool finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 void checkNode(const Node& node, const std::string& at, Faults& faults) {
   const Intrinsics& k = node.camera.intrinsics;
@@ -96,8 +100,8 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
   for (std::size_t t = 0; t < triangles; ++t) {
     const glm::uvec3 v = mesh.triangles[t];
     if (v.x >= points || v.y >= points || v.z >= points)
-      faults.add(fmt::format("{}.triangles[{}]", at, t), "({}, {}, {}) has an index beyond the {} points", v.x, v.y, v.z,
-                 points);
+      faults.add(fmt::format("{}.triangles[{}]", at, t), "({}, {}, {}) has an index beyond the {} points", v.x, v.y,
+                 v.z, points);
   }
   if (sized(mesh.tier.size(), triangles, ".tier"))
     for (std::size_t t = 0; t < triangles; ++t) {
