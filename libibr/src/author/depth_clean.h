@@ -11,4 +11,12 @@ namespace ibr {
 /// the values are inverse depths. One channel.
 void cleanDepth(ImageF& inverseDepth, float step, int least);
 
+/// Inverse depth and its change per pixel in x and y (3 channels): around each pixel a plane is fitted to what is near
+/// it in depth as well. Where a surface is plane its inverse depth is linear in the picture, so nothing is lost there.
+/// `step` is the matcher's, in units of the map.
+ImageF fitPlanes(const ImageF& inverseDepth, float step);
+
+/// The map at another size, by the plane of the nearest pixel: nothing floats between surfaces.
+ImageF enlarged(const ImageF& planes, int width, int height);
+
 }  // namespace ibr

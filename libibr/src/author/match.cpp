@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSpeckle = 60;          // px at half resolution
 constexpr float kSpeckleStep = 2.0f;  // levels
-constexpr double kHidden = 0.06;      // of the sweep's range
+constexpr float kHidden = 10.0f;      // levels by which something stands before a pixel that hides it
 constexpr double kResidual = 3.0;     // px
 constexpr double kCorrelation = 0.6;  // of 7×7 windows, worst pair; or …
 constexpr double kAlike = 14.0;       // … their RMS difference, grey levels
@@ -33,19 +33,6 @@ cv::Mat view(const ImageF& image) {
 
 Camera scaled(const Camera& camera, int width, int height) {
   return {resized(camera.intrinsics, width, height), camera.pose};
-}
-
-// Between neighbours that belong together linear, across a step of depth the nearest: nothing floats between surfaces.
-ImageF upsampled(const ImageF& small, int width, int height, float step) {
-  ImageF linear(width, height, 1), nearest(width, height, 1);
-  cv::Mat linearView = view(linear), nearestView = view(nearest), low, high, edge;
-  cv::resize(view(small), linearView, {width, height}, 0, 0, cv::INTER_LINEAR);
-  cv::resize(view(small), nearestView, {width, height}, 0, 0, cv::INTER_NEAREST);
-  cv::erode(view(small), low, cv::Mat::ones(3, 3, CV_8U));
-  cv::dilate(view(small), high, cv::Mat::ones(3, 3, CV_8U));
-  cv::resize((high - low) > step, edge, {width, height}, 0, 0, cv::INTER_NEAREST);
-  nearestView.copyTo(linearView, edge);
-  return linear;
 }
 
 // Where windows of 7×7 of two grey pictures (float) look the same up to gain and offset, or nearly so as they are.
@@ -109,14 +96,13 @@ class Matcher {
     for (const glm::dvec3& point : points)
       if (const double w = inverseDepth(match_.frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
-    const SweepRange range = sweepRange(frame, cameras, std::move(depths));
+    const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
 
-    ImageF level = semiGlobalLevels(planeSweep(frame, halves, range));
+    ImageF level = semiGlobalLevels(planeSweep(frame, halves, levels));
     cleanDepth(level, kSpeckleStep, kSpeckle);
-    for (float& l : level.values) l = float(range.inverseDepth(double(l)));
-    match_.inverseDepthStep = float(range.step());
-    match_.inverseDepth = upsampled(level, width_, height_, kSpeckleStep * match_.inverseDepthStep);
-    hidden_ = float(kHidden * range.nearest);
+    for (float& l : level.values) l = float(levels.at(double(l)));
+    match_.inverseDepthStep = float(levels.step);
+    match_.inverseDepth = enlarged(fitPlanes(level, match_.inverseDepthStep), width_, height_);
   }
 
   void project() {
@@ -151,8 +137,8 @@ class Matcher {
     match_.good = Image8(width_, height_, 1);
     view(match_.good).setTo(1, all);
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const Image8 visible =
-          visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width, views_[i].picture.height, hidden_);
+      const Image8 visible = visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width,
+                                         views_[i].picture.height, kHidden * match_.inverseDepthStep);
       view(match_.good).setTo(0, view(visible) == 0);
     }
   }
@@ -184,7 +170,6 @@ class Matcher {
   std::span<const MatchView> views_;
   const MatchOptions& options_;
   int width_ = 0, height_ = 0;
-  float hidden_ = 0;
   std::vector<Camera> cameras_;
   std::vector<FrameToMember> maps_;
   std::vector<cv::Mat> grey_, warped_;  // as photographed, 8 bits; as the frame sees it, float

@@ -19,8 +19,13 @@ constexpr float kUnits = 4.0f;                    // a grey level in the units o
 constexpr float kNoise = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
 constexpr int kBlock = 16;                        // levels
 // Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing.
-constexpr int kFarther = 12;  // cost of the nearest level over the farthest
-constexpr int kLeastLevels = 64, kMostLevels = 256;
+constexpr float kUnseen = 66;  // cost of a pair that does not see a pixel both: a little worse than no texture
+constexpr int kFarther = 12;   // cost of the nearest level over the farthest
+constexpr double kLeastLevels = 64, kMostLevels = 256;  // among the tracks
+constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches beyond the tracks' inverse depths …
+constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
+constexpr double kCompact = 0.5;                // the farthest is more than this share of the nearest
+constexpr double kGrowth = 1.3;                 // of steps from there to infinity
 
 // By value: through the references of std::max the loops below would not be vectorised.
 float larger(float a, float b) {
@@ -156,9 +161,10 @@ class Correlation {
         for (int j = i + 1; j < d_; ++j, ++q) addPair(warped, y, i, j, q);
       std::uint8_t* __restrict const out = cost + std::size_t(y) * std::size_t(width_);
       const float* __restrict const total = total_.data(), * __restrict const count = count_.data();
+      const float pairs = float(d_ * (d_ - 1) / 2);
       for (int x = 0; x < width_; ++x) {
-        const float mean = (float(kCostLargest) / 2) * total[x] / larger(count[x], 1.0f);
-        out[x] = std::uint8_t(int((count[x] > 0 ? mean : float(kCostUnknown)) + 0.5f));
+        const float sum = (float(kCostLargest) / 2) * total[x] + kUnseen * (pairs - count[x]);
+        out[x] = std::uint8_t(int(sum / pairs + 0.5f));
       }
     }
   }
@@ -208,15 +214,22 @@ class Correlation {
 
 }  // namespace
 
-SweepRange sweepRange(const Camera& frame, std::span<const Camera> members, std::vector<double> w) {
+double SweepLevels::at(double level) const {
+  const std::size_t below = std::min(std::size_t(level), inverseDepth.size() - 2);
+  const double part = level - double(below);
+  return inverseDepth[below] + part * (inverseDepth[below + 1] - inverseDepth[below]);
+}
+
+SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, std::vector<double> w) {
   std::sort(w.begin(), w.end());
   auto percentile = [&](double share) { return w[std::size_t(share * double(w.size() - 1) + 0.5)]; };
-  // To the sky; and weak texture on the ground hides the nearest part from the tracks.
-  SweepRange range{2.0 * percentile(0.995), 2};
+  const double far = percentile(0.005), near = percentile(0.995);
+  // Tracks miss what has no texture: the sky, and under wide lenses the nearest part of the ground.
+  const double highest = (far > kCompact * near ? kBeforeCompact : kBefore) * near, lowest = kBehind * far;
 
   std::vector<FrameToMember> maps;
   for (const Camera& member : members) maps.push_back(frameToMember(frame, member));
-  std::vector<double> motion;
+  std::vector<double> motion;  // px of members against each other, over the whole range
   constexpr int kSamples = 16;
   for (int sy = 0; sy < kSamples; ++sy)
     for (int sx = 0; sx < kSamples; ++sx) {
@@ -225,22 +238,30 @@ SweepRange sweepRange(const Camera& frame, std::span<const Camera> members, std:
       double largest = 0;
       for (std::size_t i = 0; i < maps.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
-          // Against each other, and measured where the range's middle is: the ends leave wide pictures.
-          const double step = 0.02 * range.nearest, middle = 0.5 * range.nearest;
-          const auto i0 = maps[i](pixel, middle), i1 = maps[i](pixel, middle + step);
-          const auto j0 = maps[j](pixel, middle), j1 = maps[j](pixel, middle + step);
-          if (i0 && i1 && j0 && j1) largest = std::max(largest, glm::distance(*i1 - *i0, *j1 - *j0) / 0.02);
+          // Measured in the middle of the range: at its near end pictures are wide apart.
+          constexpr double kPart = 0.02;
+          const double middle = 0.5 * (lowest + highest), next = middle + kPart * (highest - lowest);
+          const auto i0 = maps[i](pixel, middle), i1 = maps[i](pixel, next);
+          const auto j0 = maps[j](pixel, middle), j1 = maps[j](pixel, next);
+          if (i0 && i1 && j0 && j1) largest = std::max(largest, glm::distance(*i1 - *i0, *j1 - *j0) / kPart);
         }
       motion.push_back(largest);
     }
   std::nth_element(motion.begin(), motion.begin() + std::ptrdiff_t(motion.size() * 9 / 10), motion.end());
-  const double pixels = motion[motion.size() * 9 / 10];
-  range.levels = std::clamp(int(std::ceil(std::min(pixels, 1e6))) + 1, kLeastLevels, kMostLevels);
-  return range;
+  const double pixels = std::clamp(motion[motion.size() * 9 / 10], kLeastLevels, kMostLevels);
+
+  SweepLevels levels{{}, (highest - lowest) / std::ceil(pixels)};
+  for (double v = highest, step = levels.step; v > 0.5 * step; v -= step) {
+    levels.inverseDepth.push_back(v);
+    if (v <= lowest) step *= kGrowth;
+  }
+  levels.inverseDepth.push_back(0.0);
+  std::reverse(levels.inverseDepth.begin(), levels.inverseDepth.end());
+  return levels;
 }
 
-CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepRange& range) {
-  const int width = frame.intrinsics.width, height = frame.intrinsics.height, levels = range.levels;
+CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range) {
+  const int width = frame.intrinsics.width, height = frame.intrinsics.height, levels = range.count();
   const std::size_t pixels = std::size_t(width) * std::size_t(height);
   CostVolume volume{width, height, levels, {}, ImageF(width, height, 1)};
   volume.cost.resize(pixels * std::size_t(levels));
@@ -252,7 +273,8 @@ CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, con
   for (int base = 0; base < levels; base += kBlock) {
     const int count = std::min(kBlock, levels - base);
     for (int k = 0; k < count; ++k) {
-      for (std::size_t i = 0; i < views.size(); ++i) warp(views[i], maps[i], range.inverseDepth(base + k), warped[i]);
+      for (std::size_t i = 0; i < views.size(); ++i)
+        warp(views[i], maps[i], range.inverseDepth[std::size_t(base + k)], warped[i]);
       std::uint8_t* const cost = &block[std::size_t(k) * pixels];
       correlation.run(warped, cost);
       for (std::size_t p = 0; p < pixels; ++p) {

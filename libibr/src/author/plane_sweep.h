@@ -2,8 +2,8 @@
 // Plane sweep: how well the members agree if what the mean frame sees at a pixel has a given depth (Collins 1996; cost
 // of Hirschmüller & Scharstein's comparison, PAMI 2009: zero-mean normalised cross-correlation).
 //
-//   levels of inverse depth, evenly spaced so that one step moves the members by about one pixel against each other
-//   cost(pixel, level) = mean over pairs of members that see it of (1 − ZNCC of 5×5 windows), 0 … kCostLargest
+//   levels of inverse depth, spaced so that one step moves the members by about one pixel against each other
+//   cost(pixel, level) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,19 @@
 
 namespace ibr {
 
-/// Evenly spaced inverse depths along the frame's axis, from infinity at level 0.
-struct SweepRange {
-  double nearest = 0;  // inverse depth, > 0
-  int levels = 2;
+/// The depths that are tried, as inverse depths along the frame's axis: from 0 (infinity) upwards.
+struct SweepLevels {
+  std::vector<double> inverseDepth;  // ascending
+  double step = 0;                   // between levels among the tracks; towards infinity the steps grow
 
-  double step() const { return nearest / (levels - 1); }
-  double inverseDepth(double level) const { return level * step(); }
+  int count() const { return int(inverseDepth.size()); }
+  /// Between levels by linear interpolation. Precondition: 0 <= level <= count() − 1.
+  double at(double level) const;
 };
 
-/// From infinity to well before the nearest tracks. Precondition: a track's inverse depth at least, all positive.
-SweepRange sweepRange(const Camera& frame, std::span<const Camera> members, std::vector<double> trackInverseDepths);
+/// Levels from infinity to well before the nearest tracks. Precondition: a track's inverse depth at least, all
+/// positive.
+SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, std::vector<double> trackInverseDepths);
 
 /// A member's grey picture in the sweep's resolution, 0 … 255.
 struct SweepView {
@@ -34,7 +36,6 @@ struct SweepView {
 };
 
 inline constexpr int kCostLargest = 120;  // perfectly opposite
-inline constexpr int kCostUnknown = 60;   // fewer than two members see it
 
 struct CostVolume {
   int width = 0, height = 0, levels = 0;
@@ -42,6 +43,6 @@ struct CostVolume {
   ImageF guide;                    // grey of what the members agree on best: the frame's picture, roughly
 };
 
-CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepRange& range);
+CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& levels);
 
 }  // namespace ibr
