@@ -8,8 +8,9 @@ IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-
   libjpeg-dev libpng-dev libtiff-dev libopencv-dev libcgal-dev libcli11-dev mesa-vulkan-drivers"
 # The demo's contact sheets and videos.
 IBR_PACKAGES_DEMO="ffmpeg"
-# To build and run the tests.
-IBR_PACKAGES_TEST="catch2 vulkan-validationlayers colmap locales"
+# To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package
+# gltf-validator, not in Debian), python3-jsonschema checks scenes against our schema.
+IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs"
 
 # install_packages PACKAGE…: installs those that are missing. Needs no network where none is.
 install_packages() {

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, builds with warnings as errors, and runs every test.
+# Installs what is missing, builds with warnings as errors, and runs every test. Arguments go to ctest.
 #   IBR_DATASETS=DIR          also runs the tests that want more than the bundled photographs
 #   IBR_REQUIRE_DEVICE=1      a machine without a Vulkan device fails instead of skipping
+#   IBR_GLTF_VALIDATOR=DIR    where the npm package gltf-validator is; without it that test is skipped
 set -eu
 cd "$(dirname "$0")/.."
 . examples/packages.sh
@@ -11,4 +12,12 @@ install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_TEST
 
 cmake --preset ci
 cmake --build --preset ci
+
+# Tests that want a locale with a decimal comma take it from here; nobody need be root for that.
+LOCPATH=$PWD/build/locale
+if [ ! -e "$LOCPATH/de_DE.UTF-8" ]; then
+  mkdir -p "$LOCPATH"
+  localedef -i de_DE -f UTF-8 "$LOCPATH/de_DE.UTF-8" || echo "no locale de_DE.UTF-8" >&2
+fi
+export LOCPATH
 ctest --preset ci -j2 "$@"

@@ -18,9 +18,10 @@
 namespace ibr::app {
 namespace {
 
-constexpr double kBeyond = 0.1;     // of a cell's reach, past the first and the last photograph
-constexpr double kNarrowest = 0.5;  // of the photographs' field of view, as a tangent
+constexpr double kBeyond = 0.1;      // of a cell's reach, past the first and the last photograph
+constexpr double kNarrowest = 0.55;  // of the photographs' field of view, as a tangent
 constexpr double kWidest = 0.9;
+constexpr double kNeighbours = 1.1;     // neighbouring cells cover what surrounds the part that one covers
 constexpr double kTurnPerStep = 0.5;    // radians that take as long as a median step
 constexpr double kNearlyLine = 0.05;    // variance off the principal axis against variance along it
 constexpr double kFps = 30;             // what viewers and videos expect
@@ -209,7 +210,7 @@ double narrowing(const Scene& scene) {
   std::vector<double> coverages;
   for (const Cell& cell : scene.cells)
     if (std::isfinite(cell.quality.coverage)) coverages.push_back(cell.quality.coverage);
-  return coverages.empty() ? kWidest : std::clamp(std::sqrt(median(coverages)), kNarrowest, kWidest);
+  return coverages.empty() ? kWidest : std::clamp(kNeighbours * std::sqrt(median(coverages)), kNarrowest, kWidest);
 }
 
 // From the tour's end, the way that leads outwards, to a little past the last photograph of the cell there.
