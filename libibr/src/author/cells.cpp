@@ -34,7 +34,9 @@ constexpr std::uint32_t kLeastShared = 30;  // tracks
 constexpr double kLeastSharedShare = 0.10;  // of the tracks of the poorer member
 constexpr double kCovered = -0.06;          // weights above this: inside another cell …
 constexpr double kNear = 0.05;              // … and no further off its span than this, in longest edges
-constexpr double kSimilar = 1.25;           // ratio of areas
+constexpr double kBridge = 8.0;    // longer than so many median edges of the spanning tree: to something far off
+constexpr double kMost = 0.8;      // of a group, that remain when that is cut off
+constexpr double kSimilar = 1.25;  // ratio of areas
 
 // The field of view along the shorter way, in radians.
 double smallerFieldOfView(const Intrinsics& k) {
@@ -121,9 +123,12 @@ class Planner {
     }
     for (std::size_t s = 0; s < count.size(); ++s) spotCentre_[s] /= count[s];
 
-    std::set<std::vector<std::uint32_t>> groups;
+    std::set<std::vector<std::uint32_t>> groups, parts;
     for (std::uint32_t i = 0; i < cameras_.size(); ++i) groups.insert(groupAround(i));
-    for (const auto& group : groups) triangulate(group);
+    for (const auto& group : groups)
+      if (group.size() >= 2)
+        for (auto& part : clusters(group)) parts.insert(std::move(part));
+    for (const auto& part : parts) triangulate(part);
     return report();
   }
 
@@ -153,6 +158,27 @@ class Planner {
     for (const auto& [spot, choice] : best) group.push_back(choice.second);
     std::sort(group.begin(), group.end());
     return group;
+  }
+
+  // A group without photographs far off: one of them would decide the rank of all. What was cut off follows, and the
+  // bridges to it as pairs. A group that falls into parts of like size stays whole.
+  std::vector<std::vector<std::uint32_t>> clusters(const std::vector<std::uint32_t>& group) const {
+    std::vector<glm::dvec3> places;
+    for (const std::uint32_t i : group) places.push_back(spotCentre_[spot_[i]]);
+    const std::vector<TreeEdge> tree = spanningTree(places);
+    const double limit = kBridge * tree[tree.size() / 2].length;
+    const auto bridges =
+        std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > limit; });
+    const auto cluster = components(group.size(), std::span(tree.begin(), bridges));
+    std::vector<std::vector<std::uint32_t>> parts(1 + *std::max_element(cluster.begin(), cluster.end()));
+    for (std::size_t k = 0; k < group.size(); ++k) parts[cluster[k]].push_back(group[k]);
+    const auto largest =
+        std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    if (double(largest->size()) < kMost * double(group.size())) return {group};
+    for (auto edge = bridges; edge != tree.end(); ++edge)
+      parts.push_back({std::min(group[edge->a], group[edge->b]), std::max(group[edge->a], group[edge->b])});
+    std::erase_if(parts, [](const auto& part) { return part.size() < 2; });
+    return parts;
   }
 
   // Simplices of the rank that the group's places span, by image.
@@ -232,7 +258,7 @@ class Planner {
     };
     std::map<Simplex, bool> candidates;  // → similar to the smallest face of one of its simplices
     for (const Simplex& simplex : simplices) {
-      if (shape(corners(simplex)) < leastShape(simplex)) continue;  // a sliver's faces lie across each other
+      if (d == 3 && shape(corners(simplex)) < leastShape(simplex)) continue;  // its faces lie across each other
       std::vector<Simplex> parts = faces(simplex);
       if (parts[0].size() > d) {
         std::vector<Simplex> edges;
@@ -271,7 +297,7 @@ class Planner {
 
     // From the highest rank downwards; what is refused hands its faces on.
     std::vector<Simplex> kept;
-    for (std::size_t d = candidates[0].size(); d >= 2; --d, mayOverlap = true) {
+    for (std::size_t d = candidates.empty() ? 0 : candidates[0].size(); d >= 2; --d, mayOverlap = true) {
       std::vector<Simplex> refusedHere, level;
       for (const Simplex& simplex : candidates) {
         if (!accepted(simplex)) {

@@ -87,7 +87,7 @@ ImageF fitPlanes(const ImageF& map, float step) {
             sw += off, sxw += dx * off, syw += dy * off;
           }
         if (n < kLeastOnPlane) break;
-        constexpr float kRidge = 1.0f;  // keeps a row of pixels from tilting
+        constexpr float kRidge = 0.01f;  // keeps a row of pixels from tilting
         const float cxx = sxx - sx * sx / n + kRidge, cyy = syy - sy * sy / n + kRidge, cxy = sxy - sx * sy / n;
         const float cxw = sxw - sx * sw / n, cyw = syw - sy * sw / n, determinant = cxx * cyy - cxy * cxy;
         slopeX = (cxw * cyy - cyw * cxy) / determinant;

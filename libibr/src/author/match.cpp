@@ -145,6 +145,7 @@ class Matcher {
 
   // What remains between member 0 and each other, both as the frame sees them.
   void refine() {
+    match_.refined = true;
     if (std::min(width_, height_) < 32) return;  // too small for the flow's pyramid
     const auto flow = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
     cv::Mat first, other, residual;

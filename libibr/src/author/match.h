@@ -35,6 +35,7 @@ struct DenseMatch {
   std::vector<ImageF> position;  // of each member: 2 channels, px in its picture; outside it where good is 0
   std::vector<ImageF> residual;  // of each member: 2 channels, px in the frame, what step 4 found against member 0
   Image8 good;                   // 1 channel: 1 where all members agree
+  bool refined = false;          // by step 4: positions are not quite what inverseDepth says
 };
 
 /// `points` of the world that the members see give the sweep its range. Precondition: 2 to 4 views. Throws

@@ -10,6 +10,7 @@
 #include "author/label.h"
 #include "author/quadtree.h"
 #include "author/ranges.h"
+#include "author/refine_depth.h"
 
 namespace ibr {
 namespace {
@@ -25,19 +26,21 @@ double area(const std::vector<glm::vec2>& at, const glm::uvec3& t) {
 }
 
 struct Vertices {
-  std::vector<glm::vec2> frame;
+  std::vector<glm::vec2> frame;                 // px of the mean frame
+  std::vector<double> inverseDepth;             // along its axis
   std::vector<std::vector<glm::vec2>> matched;  // of each view, px of its picture
   std::vector<std::vector<glm::vec2>> stored;   // of each member, px of its stored photograph
 
   template <class Keep>
   void filter(Keep&& keep) {
-    auto apply = [&](std::vector<glm::vec2>& list) {
+    auto apply = [&](auto& list) {
       std::size_t kept = 0;
       for (std::size_t v = 0; v < list.size(); ++v)
         if (keep(v)) list[kept++] = list[v];
       list.resize(kept);
     };
     apply(frame);
+    apply(inverseDepth);
     for (auto& list : matched) apply(list);
     for (auto& list : stored) apply(list);
   }
@@ -47,15 +50,21 @@ Vertices pickVertices(std::span<const Camera> stored, std::span<const MatchView>
   Vertices vertices;
   vertices.matched.resize(views.size());
   vertices.stored.resize(views.size());
+  const DepthRefiner refiner(views, match);
   for (const glm::ivec2 pixel : meshVertices(match)) {
-    vertices.frame.emplace_back(float(pixel.x) + 0.5f, float(pixel.y) + 0.5f);
-    const std::size_t at = std::size_t(pixel.y) * std::size_t(match.good.width) + std::size_t(pixel.x);
+    const glm::dvec2 centre = glm::dvec2(pixel) + 0.5;
+    vertices.frame.emplace_back(centre);
+    vertices.inverseDepth.push_back(match.refined ? double(match.inverseDepth.pixel(pixel.x, pixel.y)[0])
+                                                  : refiner.at(pixel.x, pixel.y));
     for (std::size_t i = 0; i < views.size(); ++i) {
-      const glm::vec2 position(match.position[i].values[2 * at], match.position[i].values[2 * at + 1]);
+      const auto dense = match.position[i].pixel(pixel.x, pixel.y);
+      glm::dvec2 position(dense[0], dense[1]);
+      if (!match.refined)
+        if (const auto exact = refiner.maps()[i](centre, vertices.inverseDepth.back())) position = *exact;
       const glm::dvec2 scale(double(stored[i].intrinsics.width) / views[i].picture.width,
                              double(stored[i].intrinsics.height) / views[i].picture.height);
-      vertices.matched[i].push_back(position);
-      vertices.stored[i].push_back(glm::vec2(glm::dvec2(position) * scale));
+      vertices.matched[i].emplace_back(position);
+      vertices.stored[i].emplace_back(position * scale);
     }
   }
   return vertices;
@@ -127,9 +136,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   for (std::size_t v = 0; v < vertices.frame.size(); ++v) {
     std::vector<glm::dvec2> pixels;
     for (std::size_t i = 0; i < d; ++i) pixels.emplace_back(vertices.matched[i][v]);
-    const std::size_t at =
-        std::size_t(vertices.frame[v].y) * std::size_t(match.good.width) + std::size_t(vertices.frame[v].x);
-    const RangePrior prior{match.inverseDepth.values[at], kPriorLevels * double(match.inverseDepthStep)};
+    const RangePrior prior{vertices.inverseDepth[v], kPriorLevels * double(match.inverseDepthStep)};
     const Range range = triangulate(match.frame, cameras, pixels, prior, kNoisePx);
     mesh.inverseDistance.push_back(float(range.inverseDistance));
     mesh.uncertainty.push_back(float(range.uncertainty));

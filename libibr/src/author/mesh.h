@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a dense match to a morphing mesh ([T] §2.4.1).
 //
-//   1. vertices by quadtree; Delaunay on their positions in the mean frame
+//   1. vertices by quadtree, their depths refined; Delaunay on their positions in the mean frame
 //   2. repair: while triangles fold over in some member, drop the vertex of each that most of them share
 //   3. label each triangle by how well the members agree in it; what folds over or disagrees becomes tier 1
 //   4. ρ and a_i of every vertex

@@ -18,9 +18,10 @@ constexpr int kWindow = 2 * kRadius + 1;
 constexpr float kUnits = 4.0f;                    // a grey level in the units of the sums, see Correlation
 constexpr float kNoise = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
 constexpr int kBlock = 16;                        // levels
-// Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing.
-constexpr float kUnseen = 66;  // cost of a pair that does not see a pixel both: a little worse than no texture
-constexpr int kFarther = 12;   // cost of the nearest level over the farthest
+constexpr float kUnseen = 132;  // cost of a pair that does not both see the pixel: a little worse than no texture
+// Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing. Costs of the
+// nearest level are higher by this share; good matches, being low, are hardly touched.
+constexpr float kFarther = 0.2f;
 constexpr double kLeastLevels = 64, kMostLevels = 256;  // among the tracks
 constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches beyond the tracks' inverse depths …
 constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
@@ -288,8 +289,8 @@ CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, con
     for (std::size_t p = 0; p < pixels; ++p)
       for (int k = 0; k < count; ++k) {
         const int level = base + k;
-        volume.cost[p * std::size_t(levels) + std::size_t(level)] =
-            std::uint8_t(block[std::size_t(k) * pixels + p] + kFarther * level / levels);
+        const float cost = float(block[std::size_t(k) * pixels + p]) * (1.0f + kFarther * float(level) / float(levels));
+        volume.cost[p * std::size_t(levels) + std::size_t(level)] = std::uint8_t(std::min(cost + 0.5f, 255.0f));
       }
   }
   return volume;

@@ -35,7 +35,7 @@ struct SweepView {
   ImageF grey;
 };
 
-inline constexpr int kCostLargest = 120;  // perfectly opposite
+inline constexpr int kCostLargest = 240;  // perfectly opposite; 120: no correlation, no texture
 
 struct CostVolume {
   int width = 0, height = 0, levels = 0;

@@ -10,7 +10,7 @@ namespace {
 
 // Found to matter more than any other choice: with a tenth of these, foliage and cobbles break into speckles, and each
 // speckle that is too near hides others.
-constexpr int kP1 = 20, kP2 = 200;
+constexpr int kP1 = 40, kP2 = 400;        // of costs up to kCostLargest
 constexpr float kEdge = 25.0f;            // grey levels that halve P2
 constexpr std::int16_t kOutside = 16000;  // stands for the levels before the first and after the last
 

@@ -16,53 +16,6 @@ constexpr double kOnePoint = 0.01;    // likewise: below it, directions do not m
 constexpr double kLoneShare = 0.25;   // of spots that may hold a single photograph
 constexpr double kSameAxis = 0.9397;  // cos 20°: photographs that look the same way
 
-struct Edge {
-  double length;
-  std::uint32_t a, b;
-};
-
-// Prim's algorithm; edges ascending.
-std::vector<Edge> spanningTree(std::span<const Camera> cameras) {
-  const std::size_t n = cameras.size();
-  std::vector<Edge> nearest(n, {std::numeric_limits<double>::infinity(), 0, 0}), tree;
-  std::vector<bool> inside(n, false);
-  std::uint32_t added = 0;
-  while (tree.size() + 1 < n) {
-    inside[added] = true;
-    std::uint32_t next = added;
-    double best = std::numeric_limits<double>::infinity();
-    for (std::uint32_t i = 0; i < n; ++i) {
-      if (inside[i]) continue;
-      const double length = glm::distance(cameras[i].pose.position, cameras[added].pose.position);
-      if (length < nearest[i].length) nearest[i] = {length, added, i};
-      if (nearest[i].length < best) best = nearest[i].length, next = i;
-    }
-    tree.push_back(nearest[next]);
-    added = next;
-  }
-  std::sort(tree.begin(), tree.end(), [](const Edge& a, const Edge& b) { return a.length < b.length; });
-  return tree;
-}
-
-// The spots when the first `edges` of the tree join.
-std::vector<std::uint32_t> joined(std::size_t n, std::span<const Edge> edges) {
-  std::vector<std::uint32_t> root(n);
-  std::iota(root.begin(), root.end(), 0u);
-  auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (const Edge& edge : edges) root[find(edge.a)] = find(edge.b);
-  std::vector<std::uint32_t> number(n, std::uint32_t(n)), spot(n);
-  std::uint32_t count = 0;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    std::uint32_t& its = number[find(i)];
-    if (its == n) its = count++;
-    spot[i] = its;
-  }
-  return spot;
-}
-
 bool lookLikeSpots(std::span<const Camera> cameras, const std::vector<std::uint32_t>& spot, double between) {
   const std::size_t spots = 1 + *std::max_element(spot.begin(), spot.end());
   std::vector<std::vector<std::uint32_t>> members(spots);
@@ -91,12 +44,54 @@ bool lookLikeSpots(std::span<const Camera> cameras, const std::vector<std::uint3
 
 }  // namespace
 
+std::vector<TreeEdge> spanningTree(std::span<const glm::dvec3> points) {
+  const std::size_t n = points.size();
+  std::vector<TreeEdge> nearest(n, {std::numeric_limits<double>::infinity(), 0, 0}), tree;
+  std::vector<bool> inside(n, false);
+  std::uint32_t added = 0;
+  while (tree.size() + 1 < n) {
+    inside[added] = true;
+    std::uint32_t next = added;
+    double best = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (inside[i]) continue;
+      const double length = glm::distance(points[i], points[added]);
+      if (length < nearest[i].length) nearest[i] = {length, added, i};
+      if (nearest[i].length < best) best = nearest[i].length, next = i;
+    }
+    tree.push_back(nearest[next]);
+    added = next;
+  }
+  std::sort(tree.begin(), tree.end(), [](const TreeEdge& a, const TreeEdge& b) { return a.length < b.length; });
+  return tree;
+}
+
+std::vector<std::uint32_t> components(std::size_t count, std::span<const TreeEdge> edges) {
+  std::vector<std::uint32_t> root(count);
+  std::iota(root.begin(), root.end(), 0u);
+  auto find = [&](std::uint32_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const TreeEdge& edge : edges) root[find(edge.a)] = find(edge.b);
+  std::vector<std::uint32_t> number(count, std::uint32_t(count)), component(count);
+  std::uint32_t next = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t& its = number[find(i)];
+    if (its == count) its = next++;
+    component[i] = its;
+  }
+  return component;
+}
+
 std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
   const std::size_t n = cameras.size();
   std::vector<std::uint32_t> own(n);
   std::iota(own.begin(), own.end(), 0u);
   if (n < 2) return own;
-  const std::vector<Edge> tree = spanningTree(cameras);
+  std::vector<glm::dvec3> positions;
+  for (const Camera& camera : cameras) positions.push_back(camera.pose.position);
+  const std::vector<TreeEdge> tree = spanningTree(positions);
   // Lengths below this are rounding: positions are good to about 1e-15 of their size.
   double floor = 0;
   for (const Camera& camera : cameras) floor = std::max(floor, glm::length(camera.pose.position) * 1e-12);
@@ -114,12 +109,12 @@ std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras) {
   }
   std::stable_sort(jumps.begin(), jumps.end(), [](const Jump& a, const Jump& b) { return a.ratio > b.ratio; });
   for (const Jump& jump : jumps) {
-    const auto spot = joined(n, std::span(tree).first(jump.edges));
+    const auto spot = components(n, std::span(tree).first(jump.edges));
     if (lookLikeSpots(cameras, spot, tree[jump.edges].length)) return spot;
   }
   // Photographs at the very same point can never span a cell, whatever the rest looks like.
-  const auto apart = std::find_if(tree.begin(), tree.end(), [&](const Edge& edge) { return edge.length > floor; });
-  return joined(n, std::span(tree.begin(), apart));
+  const auto apart = std::find_if(tree.begin(), tree.end(), [&](const TreeEdge& edge) { return edge.length > floor; });
+  return components(n, std::span(tree.begin(), apart));
 }
 
 }  // namespace ibr

@@ -15,6 +15,16 @@
 
 namespace ibr {
 
+struct TreeEdge {
+  double length;
+  std::uint32_t a, b;  // indices of points
+};
+/// The shortest tree that joins all points, edges ascending (Prim).
+std::vector<TreeEdge> spanningTree(std::span<const glm::dvec3> points);
+
+/// The components (numbered in order of their first point) when some edges are drawn between `count` points.
+std::vector<std::uint32_t> components(std::size_t count, std::span<const TreeEdge> edges);
+
 /// The spot of each camera, numbered in order of their first camera. Every camera is its own spot where no jump fits.
 std::vector<std::uint32_t> findSpots(std::span<const Camera> cameras);
 

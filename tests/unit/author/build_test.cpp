@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+// build() from files to files, on a small synthetic set.
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+
+#include "author/cell_cache.h"
+#include "author/parallel.h"
+#include "base/file.h"
+#include "ibr/author.h"
+#include "ibr/error.h"
+#include "image/ktx2.h"
+#include "io/image_file.h"
+#include "scene/synthetic.h"
+#include "support/posed_rig.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// Four cameras before a wall, of which triangles are made: photographs, COLMAP model, and a photograph nobody knows.
+class Set {
+ public:
+  explicit Set(int scale = 1) {
+    std::vector<Camera> cameras;
+    for (const glm::dvec2 at : {glm::dvec2(0, 0), {0.4, 0}, {0, 0.4}, {0.4, 0.4}})
+      cameras.push_back(lookingAlong({at.x, 0, at.y}, {0, 1, 0}, 128, 96));
+    SyntheticOptions options;
+    options.cameras = cameras;
+    options.cells = {{0, 1}};  // not used
+    options.planes = {{{0, 4, 0}, {1, 0, 0}, {0, 0.2, 0.98}, 20, 20, 1, 0.2}};
+    options.planes[0].v = glm::normalize(options.planes[0].v);
+    options.samplesPerAxis = 2;
+    for (Camera& camera : options.cameras) camera.intrinsics = resized(camera.intrinsics, 128 * scale, 96 * scale);
+    scene = makeScene(options);
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < 400; ++i)
+      points.push_back(options.planes[0].origin + options.planes[0].u * (0.15 * (i % 20) - 1.4) +
+                       options.planes[0].v * (0.12 * (i / 20) - 1.1));
+    model = modelOf(cameras, points);
+    fs::create_directories(folder / "photos/sub");
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (i == 3) model.images[i].name = "sub/003.png";
+      writeImage(folder / "photos" / model.images[i].name, scene.photographs[i]);
+    }
+    writeImage(folder / "photos/stranger.png", scene.photographs[0]);
+    writeColmapModel(model, folder / "model");
+  }
+  BuildOptions options(const std::string& output = "scene") const {
+    BuildOptions o;
+    o.photographs = folder / "photos";
+    o.model = folder / "model";
+    o.output = folder / output;
+    return o;
+  }
+
+  TemporaryFolder folder;
+  PosedModel model;
+  SyntheticScene scene;
+};
+
+std::map<std::string, std::vector<std::byte>> filesBelow(const fs::path& folder) {
+  std::map<std::string, std::vector<std::byte>> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).generic_string()] = readFile(entry.path());
+  return files;
+}
+
+template <class F>
+Error errorOf(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  FAIL("nothing was thrown");
+  return Error(ErrorCode::io, "");
+}
+
+}  // namespace
+
+TEST_CASE("photographs and a model become a valid scene whose matches are right") {
+  const Set set;
+  std::vector<std::string> stages;
+  const BuildReport report = build(set.options(), [&](const Progress& p) {
+    if (stages.empty() || stages.back() != p.stage) stages.emplace_back(p.stage);
+    CHECK(p.done <= p.total);
+    return true;
+  });
+  CHECK(stages.size() >= 4);
+  REQUIRE(report.cells.size() == 2);
+  CHECK(report.dropped.size() == 1);
+  CHECK(report.dropped[0].what == "stranger.png");
+  CHECK_THAT(report.dropped[0].reason, Contains("not registered"));
+
+  CHECK(validateSceneFiles(set.options().output).empty());
+  const Scene scene = loadScene(set.options().output);
+  REQUIRE(scene.nodes.size() == 4);
+  REQUIRE(scene.cells.size() == 2);
+  CHECK(readFile(scene.folder / scene.nodes[0].imageFile) == readFile(set.folder / "photos/000.png"));
+  const std::vector<Image8> texture = readKtx2(scene.folder / scene.nodes[3].textureFile);
+  REQUIRE(texture.size() == 8);
+  CHECK(texture[0].width == 128);
+
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Cell& cell = scene.cells[c];
+    CHECK(cell.members.size() == 3);
+    CHECK(cell.quality.coverage > 0.6);
+    CHECK(report.cells[c].points == cell.mesh.pointCount());
+    CHECK(report.cells[c].tier0 == cell.mesh.tier0Count());
+    CHECK_FALSE(report.cells[c].resumed);
+    const TexturedPlane& wall = set.scene.planes[0];
+    const glm::dvec3 normal = glm::cross(wall.u, wall.v);
+    std::size_t good = 0;
+    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+      const Camera& first = scene.nodes[cell.members[0]].camera;
+      const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, cell.mesh.match[0][p]);
+      const glm::dvec3 point =
+          first.pose.position + ray * (glm::dot(wall.origin - first.pose.position, normal) / glm::dot(ray, normal));
+      double worst = 0;
+      for (std::size_t i = 1; i < 3; ++i) {
+        const Camera& camera = scene.nodes[cell.members[i]].camera;
+        const auto pixel =
+            project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (point - camera.pose.position));
+        worst = std::max(worst, pixel ? glm::distance(*pixel, glm::dvec2(cell.mesh.match[i][p])) : 1e9);
+      }
+      good += worst < 0.3;
+    }
+    CHECK(double(good) > 0.8 * double(cell.mesh.pointCount()));
+  }
+  CHECK_FALSE(fs::exists(scene.folder / ".build"));
+}
+
+TEST_CASE("the same bytes from one thread and from two, and after a cancelled build") {
+  const Set set;
+  BuildOptions one = set.options("one"), two = set.options("two"), stopped = set.options("stopped");
+  one.threads = stopped.threads = 1;
+  two.threads = 2;
+  build(one);
+  build(two);
+  const auto expected = filesBelow(one.output);
+  CHECK(filesBelow(two.output) == expected);
+
+  const Error error =
+      errorOf([&] { build(stopped, [](const Progress& p) { return !(p.stage == "matching cells" && p.done >= 1); }); });
+  CHECK(error.code() == ErrorCode::cancelled);
+  CHECK_FALSE(fs::exists(stopped.output / "scene.gltf"));
+  CHECK(std::distance(fs::directory_iterator(stopped.output / ".build"), fs::directory_iterator()) >= 1);
+  const BuildReport report = build(stopped);
+  CHECK(std::count_if(report.cells.begin(), report.cells.end(), [](const auto& c) { return c.resumed; }) >= 1);
+  CHECK(filesBelow(stopped.output) == expected);
+
+  // Cancelled before anything was done: nothing is left half-written, and nothing is wrong later.
+  BuildOptions early = set.options("early");
+  CHECK(errorOf([&] { build(early, [](const Progress&) { return false; }); }).code() == ErrorCode::cancelled);
+  CHECK_FALSE(fs::exists(early.output));
+}
+
+TEST_CASE("photographs may be held out, made smaller, or larger than the model's camera") {
+  const Set set(2);  // twice the size that the model's cameras have
+  BuildOptions options = set.options();
+  options.exclude = {"sub/003.png"};
+  options.maxSize = 200;
+  const BuildReport report = build(options);
+  CHECK(report.cells.size() == 1);
+  const Scene scene = loadScene(options.output);
+  REQUIRE(scene.nodes.size() == 3);
+  CHECK(scene.nodes[0].camera.intrinsics.width == 200);
+  CHECK(scene.nodes[0].camera.intrinsics.height == 150);
+  CHECK(scene.nodes[0].camera.intrinsics.fx == Approx(set.model.images[0].camera.intrinsics.fx * 200 / 128));
+  CHECK(probeImage(scene.folder / scene.nodes[0].imageFile).width == 200);
+  CHECK(validateSceneFiles(options.output).empty());
+  CHECK(std::none_of(report.dropped.begin(), report.dropped.end(),
+                     [](const auto& d) { return d.what == "sub/003.png"; }));
+}
+
+TEST_CASE("wrong input is refused by name, before anything is made") {
+  const Set set;
+  BuildOptions options = set.options();
+  SECTION("a photograph is missing") {
+    fs::remove(set.folder / "photos/001.png");
+    const Error error = errorOf([&] { build(options); });
+    CHECK(error.code() == ErrorCode::io);
+    CHECK_THAT(error.what(), Contains("001.png") && Contains("missing"));
+  }
+  SECTION("a missing photograph that is held out is not missed") {
+    fs::remove(set.folder / "photos/001.png");
+    options.exclude = {"001.png"};
+    CHECK_NOTHROW(build(options));
+    return;
+  }
+  SECTION("a photograph has other proportions") {
+    writeImage(set.folder / "photos/001.png", Image8(96, 96, 3, 9));
+    const Error error = errorOf([&] { build(options); });
+    CHECK(error.code() == ErrorCode::invalidInput);
+    CHECK_THAT(error.what(), Contains("001.png") && Contains("96x96") && Contains("128x96"));
+  }
+  SECTION("a photograph is damaged") {
+    writeFile(set.folder / "photos/001.png", "no picture");
+    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("001.png"));
+  }
+  SECTION("an image of the model leads out of the folder") {
+    PosedModel model = set.model;
+    model.images[0].name = "../model/cameras.txt";
+    writeColmapModel(model, set.folder / "model");
+    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("outside"));
+  }
+  SECTION("an unknown photograph is to be left out") {
+    options.exclude = {"nobody.png"};
+    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nobody.png"));
+  }
+  SECTION("no photograph is left") {
+    options.exclude = {"000.png", "001.png", "002.png", "sub/003.png"};
+    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+  }
+  SECTION("folders") {
+    options.photographs = set.folder / "nowhere";
+    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere"));
+    options = set.options();
+    options.model = set.folder / "nowhere";
+    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere"));
+  }
+  SECTION("options") {
+    options.dimension = 5;
+    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+    options = set.options();
+    options.maxSize = -1;
+    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+  }
+  CHECK_FALSE(fs::exists(set.folder / "scene/scene.gltf"));
+}
+
+TEST_CASE("a kept cell comes back whole or not at all") {
+  TemporaryFolder folder;
+  CellMesh cell;
+  cell.mesh.match = {{{1, 2}, {3, 4}, {5, 6}}, {{7, 8}, {9, 10}, {11, 12}}};
+  cell.mesh.ratio = {{1, 2, 3}, {4, 5, 6}};
+  cell.mesh.inverseDistance = {0, 0.5f, 1};
+  cell.mesh.uncertainty = {1, 2, 3};
+  cell.mesh.triangles = {{0, 1, 2}};
+  cell.mesh.tier = {1};
+  cell.mesh.ecc = {-0.5f};
+  cell.quality.coverage = 0.25;
+  CHECK_FALSE(fetchCell(folder.path(), 77));
+  storeCell(folder.path(), 77, cell);
+  const auto back = fetchCell(folder.path(), 77);
+  REQUIRE(back);
+  CHECK(back->mesh.match == cell.mesh.match);
+  CHECK(back->mesh.ratio == cell.mesh.ratio);
+  CHECK(back->mesh.triangles == cell.mesh.triangles);
+  CHECK(back->mesh.ecc == cell.mesh.ecc);
+  CHECK(back->quality.coverage == 0.25);
+  const fs::path file = fs::directory_iterator(folder.path())->path();
+  const std::vector<std::byte> whole = readFile(file);
+  for (const std::size_t length : {std::size_t(0), std::size_t(7), whole.size() / 2, whole.size() - 1}) {
+    writeFile(file, std::span(whole).first(length));
+    CHECK_FALSE(fetchCell(folder.path(), 77));
+  }
+  std::vector<std::byte> changed = whole;
+  changed[whole.size() / 2] ^= std::byte(1);
+  writeFile(file, changed);
+  CHECK_FALSE(fetchCell(folder.path(), 77));
+}
+
+TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
+  for (const int threads : {1, 3}) {
+    std::vector<std::atomic<int>> ran(50);
+    CHECK(runJobs(
+        50, threads, [&](std::size_t i) { ++ran[i]; }, [](std::size_t) { return true; }));
+    for (const auto& r : ran) CHECK(r == 1);
+
+    std::atomic<int> started = 0;
+    CHECK_FALSE(runJobs(
+        1000, threads, [&](std::size_t) { ++started; }, [](std::size_t done) { return done == 0; }));
+    CHECK(started <= 1000);
+
+    const auto failing = [](std::size_t i) {
+      if (i >= 5) throw Error(ErrorCode::io, std::to_string(i));
+    };
+    CHECK_THAT(errorOf([&] { runJobs(50, threads, failing, [](std::size_t) { return true; }); }).what(), Contains("5"));
+  }
+  CHECK(runJobs(
+      0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
+}
