@@ -31,8 +31,8 @@ cd "$root"
 install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_DEMO
 
 echo "== building"
-cmake --preset release -DIBR_BUILD_TESTS=OFF -DIBR_BUILD_EXAMPLES=OFF >"$output/build.log"
-cmake --build --preset release --target ibr_batch >>"$output/build.log" || { tail -n 40 "$output/build.log"; exit 1; }
+cmake --preset release --log-level=WARNING -DIBR_BUILD_TESTS=OFF -DIBR_BUILD_EXAMPLES=OFF
+cmake --build --preset release --target ibr_batch
 ibr=$root/build/release/apps/batch/ibr
 "$ibr" device
 
