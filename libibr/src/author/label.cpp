@@ -12,12 +12,12 @@
 namespace ibr {
 namespace {
 
-// Thresholds of the best filter in a comparison against ground truth (precision .97, recall .96 to .98 by area), with
-// more tolerance where the members look alike.
+// Thresholds of the best filter in a comparison against ground truth (precision .97, recall .96 to .98 by area), made
+// more tolerant: what is refused leaves a hole or a picture from one member, which costs more than a little blur.
 constexpr float kLeastEcc = 0.6f;
-constexpr float kAlike = 12.0f;  // RMS below which a triangle may lack texture to correlate
-constexpr float kLargestRms = 22.0f;
-constexpr float kLargestOff = 0.25f;
+constexpr float kAlike = 16.0f;  // RMS below which a triangle may lack texture to correlate
+constexpr float kLargestRms = 24.0f;
+constexpr float kLargestOff = 0.3f;
 constexpr float kOffPx = 1.5f;
 constexpr double kSameColour = 16.0;  // mean over channels: where members differ by less, nobody sees what is off
 constexpr double kNoise = 25.0;       // grey² in variances and covariance

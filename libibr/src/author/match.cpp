@@ -20,8 +20,8 @@ constexpr int kSpeckle = 60;          // px at half resolution
 constexpr float kSpeckleStep = 2.0f;  // levels
 constexpr float kHidden = 10.0f;      // levels by which something stands before a pixel that hides it
 constexpr double kResidual = 3.0;     // px
-constexpr double kCorrelation = 0.6;  // of 7×7 windows, worst pair; or …
-constexpr double kAlike = 14.0;       // … their RMS difference, grey levels
+constexpr double kCorrelation = 0.5;  // of 7×7 windows, worst pair; or …
+constexpr double kAlike = 20.0;       // … their RMS difference, grey levels
 constexpr double kNoise = 25.0;       // grey², added to variances and covariance: flat windows correlate
 
 cv::Mat view(const Image8& image) {
