@@ -20,14 +20,14 @@ int main(int argc, char** argv) try {
   ibr::Offscreen offscreen(device, {960, 540});
 
   // Stand in the middle of the first cell and look where its photographs look.
-  ibr::FrameInput input;
-  input.view.intrinsics = ibr::pinholeFromFov(960, 540, std::numbers::pi / 4);
+  ibr::Camera view;
+  view.intrinsics = ibr::pinholeFromFov(960, 540, std::numbers::pi / 4);
   const ibr::Cell& cell = scene.cells.at(0);
   for (const std::uint32_t member : cell.members)
-    input.view.pose.position += scene.nodes[member].camera.pose.position / double(cell.members.size());
-  input.view.pose.rotation = scene.nodes[cell.members[0]].camera.pose.rotation;
+    view.pose.position += scene.nodes[member].camera.pose.position / double(cell.members.size());
+  view.pose.rotation = scene.nodes[cell.members[0]].camera.pose.rotation;
 
-  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::cellBounds(scene), input);
+  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, {}});
   const ibr::Image8 picture =
       offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
 

@@ -78,10 +78,9 @@ ibr::Image8 render(ibr::Device& device, const ibr::Scene& scene) {
   const ibr::GpuScene gpuScene(device, scene);
   const ibr::Renderer renderer(device, gpuScene, {640, 480});
   ibr::Offscreen offscreen(device, {640, 480});
-  ibr::FrameInput input;
-  input.view = scene.nodes.at(scene.cells.at(0).members[0]).camera;
-  input.view.intrinsics = ibr::pinholeFromFov(640, 480, 1.0);
-  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::cellBounds(scene), input);
+  ibr::Camera view = scene.nodes.at(scene.cells.at(0).members[0]).camera;
+  view.intrinsics = ibr::pinholeFromFov(640, 480, 1.0);
+  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, {}});
   return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
 }
 

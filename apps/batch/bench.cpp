@@ -52,7 +52,7 @@ std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
 
 ExitCode bench(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
-  const std::vector<CellBounds> bounds = cellBounds(scene);
+  const SceneBounds bounds = sceneBounds(scene);
   const std::vector<View> views = frames(autoPath(scene, options.views, options.size.width, options.size.height));
   Device device = Device::create({.device = context.options().device, .log = context.log()});
   const VkExtent2D extent{std::uint32_t(options.size.width), std::uint32_t(options.size.height)};
@@ -81,7 +81,7 @@ ExitCode bench(const Options& options, const Context& context) {
     for (const View& view : views) {
       FramePlan plans[2];
       for (std::size_t w = 0; w < kWays.size(); ++w) {
-        FrameInput input{view.camera, options.settings};
+        FrameInput input{{view.camera}, options.settings};
         input.settings.maxCells = std::uint32_t(options.cells[c]);
         input.settings.order = kWays[w].order;
         plans[w] = planFrame(scene, bounds, input);

@@ -48,7 +48,8 @@ ExitCode renderViews(const Options& options, const Context& context) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       check(progress.show({"rendering", i, views.size()}), ErrorCode::cancelled, "stopped");
       if (!isPath) walk = {};
-      const auto picture = renderer.render(views[i].camera, options.settings, walk);
+      const double dtSeconds = i > 0 ? views[i].time - views[i - 1].time : 0.0;
+      const auto picture = renderer.render(views[i].camera, options.settings, walk, dtSeconds);
       const fs::path file = pictureFile(options.output, views[i].name);
       fs::create_directories(file.parent_path());
       writeImage(file, rgb(picture.image));

@@ -22,7 +22,7 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 
 SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const Context& context)
     : scene_(scene),
-      bounds_(cellBounds(scene)),
+      bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene),
       renderer_(device_, gpuScene_, largestOf(views)) {}
@@ -37,10 +37,11 @@ Offscreen& SceneRenderer::offscreen(int width, int height) {
   return *offscreen_;
 }
 
-SceneRenderer::Picture SceneRenderer::render(const Camera& view, const RenderSettings& settings, PlanState& state) {
+SceneRenderer::Picture SceneRenderer::render(const Camera& view, const RenderSettings& settings, PlanState& state,
+                                            double dtSeconds) {
   Offscreen& output = offscreen(view.intrinsics.width, view.intrinsics.height);
   const auto begin = std::chrono::steady_clock::now();
-  const FramePlan plan = planFrame(scene_, bounds_, {view, settings}, state);
+  const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings, dtSeconds}, state);
   state = plan.next;
   Picture picture;
   picture.image =

@@ -21,8 +21,8 @@ class SceneRenderer {
     Image8 image;             // RGBA
     double milliseconds = 0;  // from planning until the picture is on the host
   };
-  /// `state` is that of the last picture of the same walk; {} for a picture by itself.
-  Picture render(const Camera& view, const RenderSettings& settings, PlanState& state);
+  /// `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a picture by itself.
+  Picture render(const Camera& view, const RenderSettings& settings, PlanState& state, double dtSeconds = 0);
 
   std::string deviceName() const { return device_.name(); }
 
@@ -30,7 +30,7 @@ class SceneRenderer {
   Offscreen& offscreen(int width, int height);
 
   const Scene& scene_;
-  std::vector<CellBounds> bounds_;
+  SceneBounds bounds_;
   Device device_;
   GpuScene gpuScene_;
   Renderer renderer_;

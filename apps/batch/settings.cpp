@@ -8,12 +8,13 @@
 namespace ibr::app {
 
 void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
-  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierRejected,
-         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter");
+  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierBackdrop,
+         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
                    "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
-  addChoice<BlendMode>(app, "--blend", settings.blend, {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}},
-                       "Weighted sum of the photographs, or one of them a pixel [blend]");
+  addChoice<BlendMode>(app, "--blend", settings.blend,
+                       {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}},
+                       "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
   addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
             "Draw no cell that is further away than X times its size");
 }
@@ -36,7 +37,9 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
-          {"blend", settings.blend == BlendMode::blend ? "blend" : "dither"},
+          {"blend", settings.blend == BlendMode::blend    ? "blend"
+                    : settings.blend == BlendMode::dither ? "dither"
+                                                          : "mixed"},
           {"extrapolation", settings.extrapolationLimit}};
 }
 

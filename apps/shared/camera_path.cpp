@@ -77,8 +77,10 @@ std::vector<View> frames(const CameraPath& path) {
   // The last key is a frame even where the product is a rounding error short of a whole number.
   const auto count = std::size_t(std::floor(duration * path.fps + 1e-6)) + 1;
   std::vector<View> views(count);
-  for (std::size_t i = 0; i < count; ++i)
-    views[i] = {fmt::format("frame_{:04}", i), cameraAt(path, path.keys.front().time + double(i) / path.fps)};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double time = path.keys.front().time + double(i) / path.fps;
+    views[i] = {fmt::format("frame_{:04}", i), cameraAt(path, time), time};
+  }
   return views;
 }
 

@@ -27,6 +27,7 @@ struct CameraPath {
 struct View {
   std::string name;
   Camera camera;
+  double time = 0;  // s, on a path; 0 where there is none
 };
 
 /// The camera at a time; before the first and after the last key it stands still. It passes through every key, its

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Colours of a cell's members at a fragment, blended ([T] eq. 6) or dithered (eq. 7).
+// Colours of a cell's members at a fragment, blended ([T] eq. 6), dithered (eq. 7), or the mean of both.
 //
 // Texture coordinates come from interpolated values alone: a buffer read gives 0 in the helper pixels of some devices
 // (lavapipe), and gradients would be wrong along every edge.
@@ -9,6 +9,8 @@
 #include "shared/cell.h"
 
 layout(constant_id = 0) const int kMembers = 4;
+layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one image
+layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: pixels are left to what lies behind
 
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
@@ -32,6 +34,11 @@ vec3 photograph(int member, vec2 at, vec2 dx, vec2 dy) {
   return textureGrad(photograph3, coordinate, dx, dy).rgb;
 }
 
+float noise(uvec2 offset) {
+  const uvec2 pixel = (uvec2(gl_FragCoord.xy) + offset) % uint(kNoiseSize);
+  return noiseFromRank(noiseRank[pixel.y * uint(kNoiseSize) + pixel.x]);
+}
+
 void main() {
   vec2 at[kMaxMembers], dx[kMaxMembers], dy[kMaxMembers];
   vec4 weights = vec4(0.0);
@@ -41,15 +48,22 @@ void main() {
     dy[i] = dFdy(at[i]);
     weights[i] = cells[inCell].member[i].blend;
   }
-  vec3 colour = vec3(0.0);
-  if (cells[inCell].dither != 0) {
-    const uvec2 pixel = uvec2(gl_FragCoord.xy) % uint(kNoiseSize);
-    const int chosen = ditherMember(weights, noiseFromRank(noiseRank[pixel.y * uint(kNoiseSize) + pixel.x]));
+  if (kDissolve && noise(kDissolveOffset) >= cells[inCell].opacity) discard;
+  const uint blending = cells[inCell].blending;
+  vec3 blended = vec3(0.0), dithered = vec3(0.0);
+  if (blending != kDither)
     for (int i = 0; i < kMembers; ++i)
-      if (i == chosen) colour = photograph(i, at[i], dx[i], dy[i]);
-  } else {
-    for (int i = 0; i < kMembers; ++i)
-      if (weights[i] > 0.0) colour += weights[i] * photograph(i, at[i], dx[i], dy[i]);
+      if (weights[i] > 0.0) blended += weights[i] * photograph(i, at[i], dx[i], dy[i]);
+  if (blending != kBlend) {
+    const int chosen = ditherMember(weights, noise(uvec2(0)));
+    if (kOnePage) {
+      const vec3 coordinate = vec3(at[chosen], float(cells[inCell].member[chosen].layer));
+      dithered = textureGrad(photograph0, coordinate, dx[chosen], dy[chosen]).rgb;
+    } else {
+      for (int i = 0; i < kMembers; ++i)
+        if (i == chosen) dithered = photograph(i, at[i], dx[i], dy[i]);
+    }
   }
+  const vec3 colour = blending == kBlend ? blended : (blending == kDither ? dithered : 0.5 * (blended + dithered));
   outColour = vec4(colour, cells[inCell].alpha);
 }

@@ -13,6 +13,14 @@ IBR_CONSTANT int kSetCell = 1;
 IBR_CONSTANT int kBindingParameters = 0;  // of kSetFrame: CellParameters[]
 IBR_CONSTANT int kBindingNoise = 1;       // of kSetFrame: uint[kNoiseSize²], each rank once
 IBR_CONSTANT int kNoiseSize = 64;
+IBR_CONSTANT uint kBlend = 0u;  // how colours become one: [T] eq. 6
+IBR_CONSTANT uint kDither = 1u;  // eq. 7
+IBR_CONSTANT uint kMixed = 2u;   // their mean
+#ifdef __cplusplus
+inline constexpr glm::uvec2 kDissolveOffset{29, 17};  // into the noise, so that dissolving and dithering do not conspire
+#else
+const uvec2 kDissolveOffset = uvec2(29, 17);
+#endif
 
 struct CellMember {
   mat3 toView;      // member's camera axes → virtual camera axes
@@ -29,8 +37,9 @@ struct CellParameters {
   float nearDistance;
   vec4 projection;   // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
   uint unitRays;     // 1: the paper's morph, a_i = 1 and ρ = 0
-  uint dither;       // 1: one member a pixel, [T] eq. 7
-  float alpha;       // tier code, (255 − 64·tier) / 255
+  uint blending;  // kBlend, kDither, kMixed
+  float alpha;    // tier code, (255 − 64·tier) / 255
+  float opacity;  // share of pixels that are drawn, chosen by blue noise
 };
 
 /// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that has

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <optional>
 
 #include "image/blue_noise.h"
 #include "reference/morph.h"
@@ -62,8 +63,28 @@ struct Step {
   const Scene& scene;
   const Cell& cell;
   const FramePlan& plan;
-  std::array<double, 4> position, blend;
+  int tier;
+  PlannedCell::View weights;
+  double opacity;
+  Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
+
+std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::vector<PlannedCell>& cells,
+                          std::size_t view) {
+  std::vector<Step> steps;
+  const auto alone = [](std::size_t member) {
+    PlannedCell::View weights;
+    weights.position[member] = weights.blend[member] = 1;
+    return weights;
+  };
+  for (int tier = 0; tier <= std::min(plan.settings.lowestTier, 1); ++tier)
+    for (const PlannedCell& c : cells)
+      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier == 0 ? c.view[view] : alone(c.best), c.opacity});
+  if (plan.settings.lowestTier >= kTierBackdrop)
+    for (const std::uint32_t b : plan.backdrops)
+      steps.push_back({scene, scene.backdrops[b], plan, kTierBackdrop, alone(0), 1});
+  return steps;
+}
 
 glm::dvec2 textureAt(const Step& step, const Triangle& t, std::size_t member, glm::dvec2 pixel) {
   const glm::dvec3 a = t.inverse * glm::dvec3(pixel, 1.0);
@@ -72,15 +93,28 @@ glm::dvec2 textureAt(const Step& step, const Triangle& t, std::size_t member, gl
   return {(k.cx - k.fx * q.x / q.z) / k.width, (k.cy + k.fy * q.y / q.z) / k.height};
 }
 
-Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
-            const std::vector<std::uint16_t>& noise) {
-  const int chosen = shader::ditherMember(
-      {float(step.blend[0]), float(step.blend[1]), float(step.blend[2]), float(step.blend[3])},
-      shader::noiseFromRank(noise[std::size_t(y % shader::kNoiseSize * shader::kNoiseSize + x % shader::kNoiseSize)]));
+const std::vector<std::uint16_t>& noiseRanks() {
+  static const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
+  return ranks;
+}
+
+float noiseAt(int x, int y) {
+  x %= shader::kNoiseSize;
+  y %= shader::kNoiseSize;
+  return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
+}
+
+Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y) {
+  const auto& blend = step.weights.blend;
+  const int chosen =
+      shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, noiseAt(x, y));
   Texel result{glm::dvec3(0), 0};
   for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
-    double weight = step.blend[i];
-    if (step.plan.settings.blend == BlendMode::dither) weight = int(i) == chosen ? 1.0 : 0.0;
+    const double dithered = int(i) == chosen ? 1.0 : 0.0;
+    const BlendMode mode = step.plan.settings.blend;
+    const double weight = mode == BlendMode::blend    ? blend[i]
+                          : mode == BlendMode::dither ? dithered
+                                                      : 0.5 * (blend[i] + dithered);
     if (weight == 0.0) continue;
     // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
     const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5);
@@ -93,78 +127,102 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
   return result;
 }
 
-}  // namespace
+// What one pixel of a canvas shows so far: the best step, and inside it the nearest triangle.
+struct Owner {
+  int step = -1;
+  double depth = 2;
+};
 
-Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan) {
-  const Intrinsics& k = plan.view.intrinsics;
-  const std::size_t count = std::size_t(k.width) * std::size_t(k.height);
-  Picture picture{k.width, k.height, std::vector<glm::dvec4>(count, glm::dvec4(0)), std::vector<std::uint8_t>(count, 0),
-                  std::vector<double>(count, 0)};
-  std::vector<int> owner(count, -1);
-  std::vector<double> depth(count, 2.0);
-  const std::vector<std::uint16_t> noise = blueNoise(shader::kNoiseSize, 1);
-  const glm::dquat toView = glm::conjugate(plan.view.pose.rotation);
-  int slot = 0;
-  for (int tier = 0; tier <= plan.settings.lowestTier; ++tier)
-    for (const PlannedCell& planned : plan.cells) {
-      const Cell& cell = scene.cells[planned.cell];
-      Step step{scene, cell, plan, planned.position, planned.blend};
-      if (tier == kTierRejected) {
-        step.position = {};
-        step.position[planned.best] = 1;
-        step.blend = step.position;
-      }
-      for (std::size_t f = 0; f < cell.mesh.triangles.size(); ++f) {
-        if (cell.mesh.tier[f] != tier) continue;
-        Triangle t;
-        glm::dmat3 m;
-        for (int v = 0; v < 3; ++v) {
-          const std::size_t p = cell.mesh.triangles[f][v];
-          const glm::dvec3 d =
-              toView * morph(scene, cell, p, step.position, plan.settings.morph, plan.view.pose.position);
-          m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
-          const double rho = plan.settings.morph == Morph::ours ? double(cell.mesh.inverseDistance[p]) : 0.0;
-          t.depth[v] = -d.z - plan.nearDistance * rho;
-          for (std::size_t i = 0; i < cell.members.size(); ++i)
-            t.point[std::size_t(v)][i] =
-                unproject(scene.nodes[cell.members[i]].camera.intrinsics, cell.mesh.match[i][p]) *
-                (plan.settings.morph == Morph::ours ? double(cell.mesh.ratio[i][p]) : 1.0);
-        }
-        t.inverse = glm::inverse(m);
-        int x0 = 0, y0 = 0, x1 = k.width - 1, y1 = k.height - 1;
-        if (m[0].z > 0 && m[1].z > 0 && m[2].z > 0) {
-          auto bound = [&](int axis, bool low) {
-            const double a = m[0][axis] / m[0].z, b = m[1][axis] / m[1].z, c = m[2][axis] / m[2].z;
-            return std::clamp(low ? std::floor(std::min({a, b, c})) : std::ceil(std::max({a, b, c})), -1e6, 1e6);
-          };
-          x0 = std::max(x0, int(bound(0, true)) - 1), x1 = std::min(x1, int(bound(0, false)) + 1);
-          y0 = std::max(y0, int(bound(1, true)) - 1), y1 = std::min(y1, int(bound(1, false)) + 1);
-        }
-        for (int y = y0; y <= y1; ++y)
-          for (int x = x0; x <= x1; ++x) {
-            const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);
-            if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0 && a[0] + a[1] + a[2] > 0)) continue;
-            const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
-            const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
-            if (owner[at] >= 0 && (owner[at] < slot || depth[at] <= z)) continue;
-            owner[at] = slot;
-            depth[at] = z;
-            const Texel texel = shade(step, t, textures, x, y, noise);
-            picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * tier) / 255.0);
-            picture.range[at] = texel.range;
-          }
-      }
-      ++slot;
+void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
+              Picture& picture, std::vector<Owner>& owners) {
+  const Intrinsics& k = view.intrinsics;
+  const glm::dquat toView = glm::conjugate(view.pose.rotation);
+  const bool ours = step.morph() == Morph::ours;
+  const MorphMesh& mesh = step.cell.mesh;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    if (mesh.tier[f] != (step.tier == kTierRejected)) continue;
+    Triangle t;
+    glm::dmat3 m;
+    for (int v = 0; v < 3; ++v) {
+      const std::size_t p = mesh.triangles[f][v];
+      const glm::dvec3 d =
+          toView * morph(step.scene, step.cell, p, step.weights.position, step.morph(), view.pose.position);
+      m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
+      t.depth[v] = -d.z - step.plan.nearDistance * (ours ? double(mesh.inverseDistance[p]) : 0.0);
+      for (std::size_t i = 0; i < step.cell.members.size(); ++i)
+        t.point[std::size_t(v)][i] =
+            unproject(step.scene.nodes[step.cell.members[i]].camera.intrinsics, mesh.match[i][p]) *
+            (ours ? double(mesh.ratio[i][p]) : 1.0);
     }
-  for (int y = 1; y + 1 < k.height; ++y)
-    for (int x = 1; x + 1 < k.width; ++x) {
+    t.inverse = glm::inverse(m);
+    int x0 = 0, y0 = 0, x1 = k.width - 1, y1 = k.height - 1;
+    if (m[0].z > 0 && m[1].z > 0 && m[2].z > 0) {
+      auto bound = [&](int axis, bool low) {
+        const double a = m[0][axis] / m[0].z, b = m[1][axis] / m[1].z, c = m[2][axis] / m[2].z;
+        return std::clamp(low ? std::floor(std::min({a, b, c})) : std::ceil(std::max({a, b, c})), -1e6, 1e6);
+      };
+      x0 = std::max(x0, int(bound(0, true)) - 1), x1 = std::min(x1, int(bound(0, false)) + 1);
+      y0 = std::max(y0, int(bound(1, true)) - 1), y1 = std::min(y1, int(bound(1, false)) + 1);
+    }
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);
+        if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0 && a[0] + a[1] + a[2] > 0)) continue;
+        if (step.opacity < 1 &&
+            noiseAt(x + int(shader::kDissolveOffset.x), y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
+          continue;
+        const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
+        const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
+        if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
+        owners[at] = {index, z};
+        const Texel texel = shade(step, t, textures, x, y);
+        picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * step.tier) / 255.0);
+        picture.range[at] = texel.range;
+      }
+  }
+}
+
+Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
+               const std::vector<PlannedCell>& cells, std::size_t viewIndex) {
+  const Camera& view = plan.views[viewIndex];
+  const int width = view.intrinsics.width, height = view.intrinsics.height;
+  const std::size_t count = std::size_t(width) * std::size_t(height);
+  Picture picture{width, height, std::vector<glm::dvec4>(count, glm::dvec4(0)), std::vector<std::uint8_t>(count, 0),
+                  std::vector<double>(count, 0)};
+  std::vector<Owner> owners(count);
+  const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex);
+  for (std::size_t s = 0; s < steps.size(); ++s) drawStep(steps[s], int(s), textures, view, picture, owners);
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) {
+      const auto owner = [&](int i, int j) {
+        return owners[std::size_t(j) * std::size_t(width) + std::size_t(i)].step;
+      };
       bool same = true;
       for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i)
-          same &= owner[std::size_t(y + j) * std::size_t(k.width) + std::size_t(x + i)] ==
-                  owner[std::size_t(y) * std::size_t(k.width) + std::size_t(x)];
-      picture.safe[std::size_t(y) * std::size_t(k.width) + std::size_t(x)] = same;
+        for (int i = -1; i <= 1; ++i) same &= owner(x + i, y + j) == owner(x, y);
+      picture.safe[std::size_t(y) * std::size_t(width) + std::size_t(x)] = same;
     }
+  return picture;
+}
+
+}  // namespace
+
+Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
+               std::size_t view) {
+  Picture picture = canvas(scene, textures, plan, plan.cells, view);
+  const glm::dvec3 background(plan.settings.background);
+  std::optional<Picture> former;
+  if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view);
+  for (std::size_t at = 0; at < picture.colour.size(); ++at) {
+    const auto shown = [&](const glm::dvec4& colour) { return colour.a > 0 ? glm::dvec3(colour) : background; };
+    glm::dvec3 colour = shown(picture.colour[at]);
+    if (former) {
+      colour = glm::mix(colour, shown(former->colour[at]), plan.formerWeight);
+      picture.safe[at] &= former->safe[at];
+      picture.range[at] = std::max(picture.range[at], former->range[at]);
+    }
+    picture.colour[at] = glm::dvec4(colour, picture.colour[at].a);
+  }
   return picture;
 }
 

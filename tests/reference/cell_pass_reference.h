@@ -15,7 +15,9 @@ struct Picture {
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
 };
 
-/// `textures`: a mip chain a node, as TextureSource gives it.
-Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan);
+/// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource
+/// gives it. While a switch is mixed, `safe` and `range` hold for both pictures.
+Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
+               std::size_t view = 0);
 
 }  // namespace ibr::reference

@@ -156,6 +156,7 @@ TEST_CASE("a mesh that folds shows its near side") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({-1.7, 0.1, -0.3}, -0.2);
   RenderSettings settings = withTiers();
+  settings.extrapolationLimit = 10;
   const Image8 picture = stage.render(view, settings), truth = renderTruth(stage.place(), view);
   settings.order = DrawOrder::paper;
   const Image8 painted = stage.render(view, settings);
@@ -198,7 +199,7 @@ TEST_CASE("a recorded frame may be left unsubmitted, and a scene may be empty") 
   GpuScene nothing(testDevice(), Scene{});
   Renderer renderer(testDevice(), nothing, {320, 240});
   Offscreen offscreen(testDevice(), {320, 240});
-  const FramePlan empty = planFrame(Scene{}, {}, {view, {}});
+  const FramePlan empty = planFrame(Scene{}, {}, {{view}, {}});
   const Image8 black =
       offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, empty, offscreen.target()); });
   CHECK(std::all_of(black.values.begin(), black.values.end() - 1, [](int v) { return v == 0 || v == 255; }));

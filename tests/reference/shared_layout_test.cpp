@@ -46,7 +46,8 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                      {"nearDistance", offsetof(CellParameters, nearDistance)},
                                                      {"projection", offsetof(CellParameters, projection)},
                                                      {"unitRays", offsetof(CellParameters, unitRays)},
-                                                     {"dither", offsetof(CellParameters, dither)},
-                                                     {"alpha", offsetof(CellParameters, alpha)}});
-  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 44);
+                                                     {"blending", offsetof(CellParameters, blending)},
+                                                     {"alpha", offsetof(CellParameters, alpha)},
+                                                     {"opacity", offsetof(CellParameters, opacity)}});
+  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 48);
 }

@@ -42,7 +42,7 @@ class Stage {
   Stage(Device& device, SyntheticScene place)
       : place_(std::move(place)),
         textures_(mipsOf(place_)),
-        bounds_(cellBounds(place_.scene)),
+        bounds_(sceneBounds(place_.scene)),
         gpuScene_(device, place_.scene, [&](const Scene&, std::size_t node) { return textures_[node]; }),
         device_(&device) {}
   Stage(const Stage&) = delete;
@@ -53,16 +53,32 @@ class Stage {
   const std::vector<std::vector<Image8>>& textures() const { return textures_; }
 
   FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
-    return planFrame(place_.scene, bounds_, {view, settings});
+    return planFrame(place_.scene, bounds_, {{view}, settings});
   }
   /// RGBA; the caller chooses what alpha means.
   Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
-    const VkExtent2D extent{std::uint32_t(plan.view.intrinsics.width), std::uint32_t(plan.view.intrinsics.height)};
+    const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
+                            std::uint32_t(plan.views[0].intrinsics.height)};
     const Renderer renderer(*device_, gpuScene_, extent);
     Offscreen offscreen(*device_, extent, format);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }
   Image8 render(const Camera& view, const RenderSettings& settings = {}) const { return render(plan(view, settings)); }
+
+  /// A picture of every view.
+  std::vector<Image8> renderViews(const FramePlan& plan) const {
+    const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
+                            std::uint32_t(plan.views[0].intrinsics.height)};
+    const Renderer renderer(*device_, gpuScene_, extent, std::uint32_t(plan.views.size()));
+    std::vector<Offscreen> offscreens;
+    std::vector<Target> targets;
+    for (std::size_t v = 0; v < plan.views.size(); ++v)
+      targets.push_back(offscreens.emplace_back(*device_, extent).target());
+    std::vector<Image8> pictures;
+    for (Offscreen& offscreen : offscreens)
+      pictures.push_back(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, targets); }));
+    return pictures;
+  }
 
  private:
   static std::vector<std::vector<Image8>> mipsOf(const SyntheticScene& place) {
@@ -73,10 +89,31 @@ class Stage {
 
   SyntheticScene place_;
   std::vector<std::vector<Image8>> textures_;
-  std::vector<CellBounds> bounds_;
+  SceneBounds bounds_;
   GpuScene gpuScene_;
   Device* device_;
 };
+
+/// Backdrops as exact as the cells: each camera's own view of the planes, as a mesh of one member.
+inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options) {
+  for (std::uint32_t n = 0; n < place.scene.nodes.size(); ++n) {
+    // A cell of the camera and one beside it, of which the first member's half is kept.
+    SyntheticOptions pair = options;
+    pair.cells = {{0, 1}};
+    pair.cameras = {options.cameras[n], options.cameras[n]};
+    pair.cameras[1].pose.position += glm::dvec3(0.01, 0, 0);
+    Cell backdrop = makeScene(pair).scene.cells[0];
+    backdrop.members = {n};
+    MorphMesh& mesh = backdrop.mesh;
+    mesh.match.resize(1);
+    mesh.ratio.resize(1);
+    for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+      mesh.inverseDistance[p] /= mesh.ratio[0][p];  // of this member alone
+      mesh.ratio[0][p] = 1;
+    }
+    place.scene.backdrops.push_back(backdrop);
+  }
+}
 
 /// Settings under which alpha tells what was drawn.
 inline RenderSettings withTiers() {

@@ -5,7 +5,7 @@
 //   Scene scene = loadScene("place");
 //   GpuScene gpuScene(device, scene);
 //   Renderer renderer(device, gpuScene, {1920, 1080});
-//   FramePlan plan = planFrame(scene, bounds, input, state);
+//   FramePlan plan = planFrame(scene, bounds, {{view}, settings}, state);
 //   renderer.record(commandBuffer, plan, target);           // then the caller submits
 //
 // Threading: planFrame is pure and may run on any thread. One thread at a time uses a Renderer.
@@ -32,6 +32,7 @@ namespace ibr {
 enum class BlendMode : std::uint8_t {
   blend,   // weighted sum, [T] eq. 6
   dither,  // one member a pixel, chosen by tileable blue noise, [T] eq. 7
+  mixed,   // the mean of both
 };
 
 /// Where a vertex is seen from the virtual camera at p (λ: barycentric coordinates of p, c_i: member centres).
@@ -52,17 +53,21 @@ enum class AlphaContent : std::uint8_t {
   tier,    // (255 − 64·tier) / 255 where something was drawn, 0 where nothing was
 };
 
-/// More cells than this are never drawn in one frame.
+/// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
+inline constexpr std::uint32_t kLargestBackdropCount = 64;
 
 struct RenderSettings {
   BlendMode blend = BlendMode::blend;
   Morph morph = Morph::ours;
   DrawOrder order = DrawOrder::ours;
   AlphaContent alpha = AlphaContent::opaque;
-  std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first; kLargestCellCount in any case
+  std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first
+  std::uint32_t maxBackdrops = 12;  // likewise backdrops (tier 2)
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
-  int lowestTier = kTierRejected;   // kTierAgrees: what the filters rejected is not drawn
+  double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
+  double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long
+  int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn
   glm::vec3 background{0.0f};       // display-encoded, shown where nothing is drawn
 };
 
@@ -76,43 +81,61 @@ struct CellBounds {
   float largestInverseDistance = 0;  // of all vertices, ρ
   double size = 0;                   // longest edge of the simplex, world units
 };
-std::vector<CellBounds> cellBounds(const Scene& scene);
+struct SceneBounds {
+  std::vector<CellBounds> cells, backdrops;  // as those of the scene
+};
+SceneBounds sceneBounds(const Scene& scene);
 
 struct FrameInput {
-  Camera view;  // pinhole; principal point anywhere; any aspect
+  std::vector<Camera> views;  // one, or two for stereo; pinholes; principal point anywhere; any aspect
   RenderSettings settings;
+  double dtSeconds = 0;  // since the frame before; clamped to 0 … 0.1 (NUMERICS T18)
+};
+
+struct PlannedCell {
+  struct View {
+    std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
+    std::array<double, 4> blend{};     // λ̂ clamped and smoothstepped, sums to 1
+    bool operator==(const View&) const = default;
+  };
+  std::uint32_t cell = 0;            // index into Scene::cells
+  double extrapolationDistance = 0;  // world units, from the middle of the views; 0 inside ([T] §2.5.2)
+  double rotationalDistance = 0;     // radians, likewise
+  double opacity = 1;                // below 1 near the extrapolation limit
+  std::uint32_t best = 0;            // member with the greatest λ̂ in the middle of the views; tier 1 is drawn from it
+  std::array<View, 2> view;          // weights by view
 };
 
 /// What a plan remembers of the frames before. Start from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;  // index of the last main cell, −1 if none
-};
-
-struct PlannedCell {
-  std::uint32_t cell = 0;            // index into Scene::cells
-  std::uint32_t rank = 0;            // 0 = main cell
-  double extrapolationDistance = 0;  // world units; 0 inside ([T] §2.5.2)
-  double rotationalDistance = 0;     // radians
-  std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
-  std::array<double, 4> blend{};     // λ̂ clamped and smoothstepped, sums to 1
-  std::uint32_t best = 0;            // member with the greatest λ̂, which tier 1 is drawn from
+  std::int64_t mainCell = -1;         // index of the last main cell, −1 if none
+  std::vector<std::uint32_t> order;   // cells of the last frame, best first
+  std::vector<std::uint32_t> former;  // cells before the last switch of the main cell, best first
+  double secondsSinceSwitch = 0;      // of that switch
 };
 
 /// One frame, decided. Plain data: it may be kept, compared, sent elsewhere.
 struct FramePlan {
-  Camera view;
+  std::vector<Camera> views;
   RenderSettings settings;
-  std::vector<PlannedCell> cells;     // by rank, best first
-  double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
-  std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
+  std::vector<PlannedCell> cells;        // best first; the first is the main cell
+  std::vector<std::uint32_t> backdrops;  // indices into Scene::backdrops, best first
+  std::vector<PlannedCell> former;       // while a switch is mixed: what is drawn in the order before it; else empty
+  double formerWeight = 0;               // of the picture of `former` in the mixture, 0 … 1
+  double nearDistance = 0;               // world units; nearer surfaces are drawn at this depth
+  std::uint32_t culledByFrustum = 0;     // cells not drawn, and why
   std::uint32_t culledByDistance = 0;
   std::uint32_t culledByCount = 0;
   PlanState next;  // to be handed to the next call
 };
 
-/// Pure. Preconditions: validate(scene) is empty; the view is a pinhole with finite, positive focal lengths and a unit
-/// rotation, else Error{invalidInput}. Cell order is total and does not depend on the order of cells in the scene.
-FramePlan planFrame(const Scene& scene, std::span<const CellBounds> bounds, const FrameInput& input,
+/// Pure. Preconditions: validate(scene) is empty; one or two views, pinholes with finite, positive focal lengths and a
+/// unit rotation, else Error{invalidInput}. The order is total, does not depend on the order of cells in the scene, and
+/// is one for all views, from the pose in their middle ([T] §2.5.4).
+///
+/// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then the
+/// main cell is kept.
+FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
 /// A photograph's texture for the GPU: level 0 has the size of the node's intrinsics, RGBA8, each level half the last,
@@ -144,17 +167,31 @@ class GpuScene {
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.
 class Renderer {
  public:
-  /// Allocates the canvas (RGBA8 + D32F) and builds pipelines for pictures of at most `largest` pixels.
-  Renderer(Device& device, const GpuScene& scene, VkExtent2D largest);
+  /// Allocates the canvas (RGBA8 + D32F) and builds pipelines for pictures of at most `largest` pixels and
+  /// plans of at most `views` views.
+  Renderer(Device& device, const GpuScene& scene, VkExtent2D largest, std::uint32_t views = 1);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  /// Records one frame: canvas pass, then composition into the target. Must be called outside a render pass; the view's
-  /// picture is target.extent, at most `largest`. Bound pipelines, descriptor sets, viewport and scissor are lost.
-  /// The target goes from target.before to target.after. Nothing is submitted, waited for or allocated; a command
-  /// buffer that is never submitted does no harm. Frames are submitted in order on the device's queue.
-  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept;
+  /// Records one frame, a target for each of the plan's views: canvas pass, then composition into the target. Must be
+  /// called outside a render pass; a view's picture has its target's extent, at most `largest`. Bound pipelines,
+  /// descriptor sets, viewport and scissor are lost. Targets go from `before` to `after`. Nothing is submitted, waited
+  /// for or allocated; a command buffer that is never submitted does no harm. Frames are submitted in order on the
+  /// device's queue.
+  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets) const noexcept;
+  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {
+    record(commandBuffer, plan, std::span(&target, 1));
+  }
+
+  /// What recording a plan amounts to. Exact; a scene pays only for what it declares (NUMERICS §4).
+  struct Counters {
+    std::uint32_t pipelines = 0;                // alive in this renderer
+    std::uint32_t passes = 0, draws = 0;        // of the frame
+    std::uint64_t triangles = 0;                // of its draws
+    std::uint64_t canvasBytes = 0;              // working images of this renderer
+  };
+  Counters count(const FramePlan& plan) const noexcept;
 
   /// Formats that a target may have.
   static bool supports(VkFormat format) noexcept;

@@ -3,18 +3,11 @@
 // that the GPU never sees a world coordinate.
 #pragma once
 
-#include <span>
-
-#include "ibr/renderer.h"
+#include "render/steps.h"
 #include "shared/cell.h"
 
 namespace ibr {
 
-/// Tier kTierAgrees: the planned weights. Tier kTierRejected: the best member alone, in position and in colour, so that
-/// a triangle whose members disagree cannot ghost. `cameras`: of the cell's members; `layers`: of their photographs in
-/// their array images.
-shader::CellParameters cellParameters(const FramePlan& plan, const PlannedCell& planned,
-                                      std::span<const Camera> cameras, std::span<const std::uint32_t> layers,
-                                      Tier tier) noexcept;
+shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, const Step& step) noexcept;
 
 }  // namespace ibr

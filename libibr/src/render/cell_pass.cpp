@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -20,56 +21,21 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kLargestStepCount = 2 * kLargestCellCount;  // a step is one tier of one cell
-
-struct Step {
-  const PlannedCell* planned;
-  Tier tier;
+struct Constants {  // specialisation constants of the cell shaders, by id
+  std::int32_t members;
+  VkBool32 onePage;
+  VkBool32 dissolve;
 };
-
-struct Steps {
-  std::array<Step, kLargestStepCount> step;
-  std::uint32_t count = 0;
-};
-
-// Best first.
-Steps stepsOf(const FramePlan& plan) noexcept {
-  Steps steps;
-  for (int tier = kTierAgrees; tier <= std::min<int>(plan.settings.lowestTier, kTierRejected); ++tier)
-    for (const PlannedCell& planned : plan.cells) steps.step[steps.count++] = {&planned, Tier(tier)};
-  return steps;
-}
-
-PipelineHandle makePipeline(const Device& device, VkPipelineLayout layout, VkRenderPass renderPass,
-                            std::int32_t members, bool depth) {
-  std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 1> attributes;
-  for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i)
-    attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, std::uint32_t(members) - 1) * 12};
-  attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, std::uint32_t(members) * 12};
-  const VkVertexInputBindingDescription binding{0, vertexStride(std::size_t(members)), VK_VERTEX_INPUT_RATE_VERTEX};
-  const VkSpecializationMapEntry entry{0, 0, sizeof members};
-  GraphicsPipelineInfo info;
-  info.vertex = shaders::cell_vert;
-  info.fragment = shaders::cell_frag;
-  info.specialisation = {{&entry, 1}, std::as_bytes(std::span(&members, 1))};
-  info.bindings = {&binding, 1};
-  info.attributes = attributes;
-  info.layout = layout;
-  info.renderPass = renderPass;
-  info.depthTest = info.depthWrite = depth;
-  info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
-  info.name = "cells";
-  return makeGraphicsPipeline(device, info);
-}
 
 }  // namespace
 
-CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass) : scene_(&scene.state()) {
+CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views)
+    : scene_(&scene.state()), views_(views) {
   const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
   const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  parameters_ =
-      Buffer(device, kLargestStepCount * sizeof(shader::CellParameters), kUsage, MemoryKind::device, "cell parameters");
+  parameters_ = Buffer(device, firstParameter(Order::former, views) * sizeof(shader::CellParameters), kUsage,
+                       MemoryKind::device, "cell parameters");
   noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
   uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
 
@@ -87,34 +53,73 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->photographLayout.get()};
   layout_ = makePipelineLayout(device, layouts, {});
-  // Only for the member counts that the scene has.
-  for (const GpuScene::State::GpuCell& cell : scene_->cells)
-    for (bool depth : {false, true})
-      if (PipelineHandle& pipeline = pipeline_[cell.cameras.size() - 2][depth]; !pipeline.get())
-        pipeline = makePipeline(device, layout_.get(), renderPass, std::int32_t(cell.cameras.size()), depth);
+  const auto makePipeline = [&](const Variant& variant) {
+    const auto members = std::uint32_t(variant.members);
+    std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 1> attributes;
+    for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i)
+      attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, members - 1) * 12};
+    attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, members * 12};
+    const VkVertexInputBindingDescription binding{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX};
+    constexpr std::array<VkSpecializationMapEntry, 3> kEntries{{{0, offsetof(Constants, members), 4},
+                                                                {1, offsetof(Constants, onePage), 4},
+                                                                {2, offsetof(Constants, dissolve), 4}}};
+    const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve};
+    GraphicsPipelineInfo info;
+    info.vertex = shaders::cell_vert;
+    info.fragment = shaders::cell_frag;
+    info.specialisation = {kEntries, std::as_bytes(std::span(&constants, 1))};
+    info.bindings = {&binding, 1};
+    info.attributes = attributes;
+    info.layout = layout_.get();
+    info.renderPass = renderPass;
+    info.depthTest = info.depthWrite = variant.depth;
+    info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
+    info.name = "cells";
+    return makeGraphicsPipeline(device, info);
+  };
+  const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
+    for (const bool depth : {false, true})
+      for (const bool dissolve : {false, true})
+        if (const Variant variant{mesh.cameras.size(), mesh.onePage, depth, dissolve};
+            (!dissolve || mayDissolve) && !pipelines_.contains(variant))
+          pipelines_.emplace(variant, makePipeline(variant));
+  };
+  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, true);
+  for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
+}
+
+std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
+  return kLargestStepCount * (views_ * std::uint32_t(order) + std::uint32_t(view));
+}
+
+VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noexcept {
+  return pipelines_
+      .at({step.mesh->cameras.size(), step.mesh->onePage, plan.settings.order == DrawOrder::ours, step.opacity < 1.0f})
+      .get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
-  const Steps steps = stepsOf(plan);
-  if (steps.count == 0) return;
   // The data travels inside the command buffer, so any number of frames may be recorded ahead, or never be submitted.
   bufferBarrier(commandBuffer, use::kShaderRead, use::kTransferWrite);
-  constexpr std::uint32_t kAtOnce = 65536 / sizeof(shader::CellParameters);
-  std::array<shader::CellParameters, kAtOnce> chunk;
-  for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
-    const std::uint32_t count = std::min(kAtOnce, steps.count - first);
-    for (std::uint32_t s = 0; s < count; ++s) {
-      const Step& step = steps.step[first + s];
-      const GpuScene::State::GpuCell& cell = scene_->cells[step.planned->cell];
-      chunk[s] = cellParameters(plan, *step.planned, cell.cameras, cell.layers, step.tier);
+  for (const Order order : {Order::current, Order::former})
+    for (std::size_t view = 0; view < plan.views.size(); ++view) {
+      if (order == Order::former && plan.formerWeight <= 0) continue;
+      const Steps steps = stepsOf(*scene_, plan, order, view);
+      constexpr std::uint32_t kAtOnce = 65536 / sizeof(shader::CellParameters);
+      std::array<shader::CellParameters, kAtOnce> chunk;
+      for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
+        const std::uint32_t count = std::min(kAtOnce, steps.count - first);
+        for (std::uint32_t s = 0; s < count; ++s) chunk[s] = cellParameters(plan, view, steps.step[first + s]);
+        vkCmdUpdateBuffer(commandBuffer, parameters_.get(), (firstParameter(order, view) + first) * sizeof chunk[0],
+                          count * sizeof chunk[0], chunk.data());
+      }
     }
-    vkCmdUpdateBuffer(commandBuffer, parameters_.get(), first * sizeof chunk[0], count * sizeof chunk[0], chunk.data());
-  }
   bufferBarrier(commandBuffer, use::kTransferWrite, use::kShaderRead);
 }
 
-void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept {
-  const Steps steps = stepsOf(plan);
+void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+                    VkExtent2D extent) const noexcept {
+  const Steps steps = stepsOf(*scene_, plan, order, view);
   if (steps.count == 0) return;
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
@@ -122,20 +127,20 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExte
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetFrame, 1,
                           &frameSet_, 0, nullptr);
   const bool paper = plan.settings.order == DrawOrder::paper;
+  const float slots = float(steps.count + 1);
   for (std::uint32_t k = 0; k < steps.count; ++k) {
     const std::uint32_t s = paper ? steps.count - 1 - k : k;
-    const GpuScene::State::GpuCell& cell = scene_->cells[steps.step[s].planned->cell];
-    const GpuScene::State::Range& range = cell.tier[steps.step[s].tier];
-    if (range.indexCount == 0) continue;
-    const float slots = float(steps.count + 1);
-    const VkViewport viewport{0, 0, float(extent.width), float(extent.height), float(s) / slots, float(s + 1) / slots};
+    const Step& step = steps.step[s];
+    const VkViewport viewport{
+        0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
-    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_[cell.cameras.size() - 2][!paper].get());
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step));
     vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
-                            &cell.photographs, 0, nullptr);
+                            &step.mesh->photographs, 0, nullptr);
     const VkBuffer vertices = scene_->vertices.get();
-    vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &cell.vertexOffset);
-    vkCmdDrawIndexed(commandBuffer, range.indexCount, 1, range.firstIndex, 0, s);  // the step is the instance
+    vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
+    vkCmdDrawIndexed(commandBuffer, step.range.indexCount, 1, step.range.firstIndex, 0,
+                     firstParameter(order, view) + s);  // the instance finds the parameters
   }
 }
 

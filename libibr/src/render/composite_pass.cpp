@@ -31,8 +31,9 @@ std::size_t indexOf(VkFormat format) {
 struct Constants {
   glm::vec3 background;
   std::uint32_t keepTier;
+  float formerWeight;
 };
-static_assert(sizeof(Constants) == 16);
+static_assert(sizeof(Constants) == 20);
 
 }  // namespace
 
@@ -40,16 +41,18 @@ bool CompositePass::supports(VkFormat format) noexcept {
   return indexOf(format) < kFormats.size();
 }
 
-CompositePass::CompositePass(Device& device, const Canvas& canvas) {
+CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas& former) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
-  const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
-                                             VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
-  setLayout_ = makeSetLayout(device, {&binding, 1});
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  std::array<VkDescriptorSetLayoutBinding, 2> bindings{};
+  for (std::uint32_t i = 0; i < bindings.size(); ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  setLayout_ = makeSetLayout(device, bindings);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, std::uint32_t(bindings.size())};
   pool_ = makeDescriptorPool(device, 1, {&size, 1});
   set_ = allocateSet(device, pool_.get(), setLayout_.get());
   writeSampledImage(device, set_, 0, sampler_.get(), canvas.colourView());
+  writeSampledImage(device, set_, 1, sampler_.get(), former.colourView());
 
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
@@ -68,7 +71,7 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas) {
   }
 }
 
-void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& settings,
+void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight,
                            const Target& target) const noexcept {
   assert(supports(target.format));
   transition(commandBuffer, target.image, target.before, use::kColourAttachment);
@@ -88,7 +91,7 @@ void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& 
   vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
-  const Constants constants{settings.background, settings.alpha == AlphaContent::tier};
+  const Constants constants{settings.background, settings.alpha == AlphaContent::tier, formerWeight};
   vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commandBuffer, 3, 1, 0, 0);
   vkCmdEndRendering(commandBuffer);

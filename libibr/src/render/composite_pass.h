@@ -10,10 +10,15 @@ namespace ibr {
 
 class CompositePass {
  public:
-  CompositePass(Device& device, const Canvas& canvas);
+  /// `former`: the canvas of the order before a switch.
+  CompositePass(Device& device, const Canvas& canvas, const Canvas& former);
 
-  /// Outside a render pass; the canvas has been ended. target.before → target.after; the whole extent is written.
-  void record(VkCommandBuffer commandBuffer, const RenderSettings& settings, const Target& target) const noexcept;
+  /// Outside a render pass; the canvases have been ended, the former one only where formerWeight > 0.
+  /// target.before → target.after; the whole extent is written.
+  void record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight,
+              const Target& target) const noexcept;
+
+  std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
   static bool supports(VkFormat format) noexcept;
 

@@ -102,7 +102,7 @@ struct Geometry {
   std::vector<std::uint32_t> indices;
 };
 
-void appendCell(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::GpuCell& out) {
+void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::Mesh& out) {
   out.vertexOffset = geometry.vertices.size() * sizeof(float);
   std::vector<bool> usable(cell.mesh.pointCount());
   for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
@@ -169,20 +169,25 @@ GpuScene::GpuScene(Device& device, const Scene& scene, const TextureSource& sour
   uploadPhotographs(scene, source ? source : readTexture, places, state.pages, uploader);
 
   Geometry geometry;
-  if (const auto sets = std::uint32_t(scene.cells.size())) {
+  if (const auto sets = std::uint32_t(scene.cells.size() + scene.backdrops.size())) {
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets * shader::kMaxMembers};
     state.pool = makeDescriptorPool(device, sets, {&size, 1});
   }
-  for (const Cell& cell : scene.cells) {
-    State::GpuCell& out = state.cells.emplace_back();
+  const auto addMesh = [&](const Cell& cell, std::vector<State::Mesh>& meshes) {
+    State::Mesh& out = meshes.emplace_back();
     for (std::uint32_t member : cell.members) {
       Camera& camera = out.cameras.emplace_back(scene.nodes[member].camera);
       camera.pose.rotation = glm::normalize(camera.pose.rotation);
       out.layers.push_back(places[member].layer);
     }
-    appendCell(scene, cell, geometry, out);
+    out.onePage = std::all_of(cell.members.begin(), cell.members.end(), [&](std::uint32_t member) {
+      return places[member].page == places[cell.members[0]].page;
+    });
+    appendMesh(scene, cell, geometry, out);
     out.photographs = makePhotographSet(device, state, cell, places);
-  }
+  };
+  for (const Cell& cell : scene.cells) addMesh(cell, state.cells);
+  for (const Cell& backdrop : scene.backdrops) addMesh(backdrop, state.backdrops);
   state.vertices = makeArena(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
                              "cell vertices", uploader);
   state.indices = makeArena(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,

@@ -18,11 +18,12 @@ struct GpuScene::State {
   struct Range {
     std::uint32_t firstIndex = 0, indexCount = 0;
   };
-  struct GpuCell {
+  struct Mesh {                         // of a cell or a backdrop
     std::vector<Camera> cameras;        // of the members
     std::vector<std::uint32_t> layers;  // of their photographs
+    bool onePage = false;               // all of them are layers of one image
     VkDeviceSize vertexOffset = 0;      // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
-    Range tier[2];
+    Range tier[2];                      // agreeing (a backdrop's only one), rejected
     VkDescriptorSet photographs = VK_NULL_HANDLE;
   };
 
@@ -31,7 +32,7 @@ struct GpuScene::State {
   SamplerHandle sampler;
   DescriptorSetLayoutHandle photographLayout;  // kSetCell of shared/cell.h
   DescriptorPoolHandle pool;
-  std::vector<GpuCell> cells;
+  std::vector<Mesh> cells, backdrops;  // as those of the scene
 };
 
 /// Bytes of a vertex with d members.

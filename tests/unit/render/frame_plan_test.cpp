@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "ibr/error.h"
@@ -71,7 +72,7 @@ Scene stackedGrid() {
 
 FramePlan planOf(const Scene& scene, const Camera& view, RenderSettings settings = {}, PlanState state = {}) {
   settings.maxCells = kLargestCellCount;
-  return planFrame(scene, cellBounds(scene), {view, settings}, state);
+  return planFrame(scene, sceneBounds(scene), {{view}, settings}, state);
 }
 
 }  // namespace
@@ -85,13 +86,12 @@ TEST_CASE("the main cell holds the camera and looks its way; the rest follow by 
   CHECK(plan.cells[0].rotationalDistance == Approx(0.1));
   for (std::size_t i = 1; i < plan.cells.size(); ++i) {
     const PlannedCell &a = plan.cells[i - 1], &b = plan.cells[i];
-    CHECK(b.rank == a.rank + 1);
     CHECK((a.extrapolationDistance < b.extrapolationDistance ||
            (a.extrapolationDistance == b.extrapolationDistance && a.rotationalDistance <= b.rotationalDistance)));
   }
   for (const PlannedCell& cell : plan.cells) {
-    CHECK(cell.blend[0] + cell.blend[1] + cell.blend[2] + cell.blend[3] == Approx(1).epsilon(1e-15));
-    CHECK(cell.blend[cell.best] >= *std::max_element(cell.blend.begin(), cell.blend.end()));
+    CHECK(std::accumulate(cell.view[0].blend.begin(), cell.view[0].blend.end(), 0.0) == Approx(1).epsilon(1e-15));
+    CHECK(cell.view[0].blend[cell.best] >= *std::max_element(cell.view[0].blend.begin(), cell.view[0].blend.end()));
   }
   CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
 }
@@ -159,7 +159,7 @@ TEST_CASE("the order of cells, members and nodes in the scene changes nothing") 
     REQUIRE(a.cells.size() == b.cells.size());
     for (std::size_t i = 0; i < a.cells.size(); ++i) {
       CHECK(a.cells[i].cell == order[b.cells[i].cell]);
-      CHECK(a.cells[i].blend == b.cells[i].blend);
+      CHECK(a.cells[i].view == b.cells[i].view);
     }
   }
 }
@@ -179,20 +179,21 @@ TEST_CASE("moving the world changes no plan") {
   REQUIRE(a.cells.size() == b.cells.size());
   for (std::size_t i = 0; i < a.cells.size(); ++i) {
     CHECK(a.cells[i].extrapolationDistance == Approx(b.cells[i].extrapolationDistance).margin(1e-8));
-    for (std::size_t m = 0; m < 4; ++m) CHECK(a.cells[i].blend[m] == Approx(b.cells[i].blend[m]).margin(1e-7));
+    for (std::size_t m = 0; m < 4; ++m)
+      CHECK(a.cells[i].view[0].blend[m] == Approx(b.cells[i].view[0].blend[m]).margin(1e-7));
   }
   CHECK(a.cells[0].cell == b.cells[0].cell);
 }
 
 TEST_CASE("a camera that trembles on a border keeps its main cell (N8)") {
   const Scene scene = stackedGrid();
-  const std::vector<CellBounds> bounds = cellBounds(scene);
+  const SceneBounds bounds = sceneBounds(scene);
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> jitter(-1e-9, 1e-9);
   PlanState state;
   int switches = 0;
   auto step = [&](const Camera& view) {
-    const FramePlan plan = planFrame(scene, bounds, {view, {}}, state);
+    const FramePlan plan = planFrame(scene, bounds, {{view}, {}, 0.1}, state);
     switches += state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
     state = plan.next;
   };
@@ -234,4 +235,100 @@ TEST_CASE("views that cannot be rendered are refused") {
   refused([](Camera& v) { v.pose.rotation *= 2.0; });
   refused([&](Camera& v) { v.pose.rotation.x = nan; });
   CHECK(planOf(Scene{}, cameraAt({0, 0, 0})).cells.empty());
+}
+
+TEST_CASE("a switch of the main cell is mixed for its time, then forgotten") {
+  const Scene scene = stackedGrid();
+  const SceneBounds bounds = sceneBounds(scene);
+  const Camera before = cameraAt({0.45, 0, 0.45}), after = cameraAt({0.55, 0, 0.55});
+  PlanState state = planFrame(scene, bounds, {{before}, {}, 0.05}, {}).next;
+  const std::int64_t first = state.mainCell;
+  FramePlan plan = planFrame(scene, bounds, {{after}, {}, 0.05}, state);
+  CHECK(plan.next.mainCell != first);
+  CHECK(plan.formerWeight == 1);  // the picture does not change yet
+  REQUIRE_FALSE(plan.former.empty());
+  CHECK(plan.former[0].cell == std::uint32_t(first));
+  double last = 1;
+  for (int frame = 1; frame <= 4; ++frame) {  // of 0.25 s; meanwhile the main cell stays, even if the camera goes back
+    plan = planFrame(scene, bounds, {{frame % 2 ? before : after}, {}, 0.05}, plan.next);
+    CHECK(plan.next.mainCell != first);
+    CHECK(plan.formerWeight < last);
+    CHECK(plan.formerWeight > 0);
+    last = plan.formerWeight;
+  }
+  plan = planFrame(scene, bounds, {{after}, {}, 0.05}, plan.next);
+  CHECK(plan.formerWeight == 0);
+  CHECK(plan.former.empty());
+  CHECK(planFrame(scene, bounds, {{before}, {}, 0.05}, plan.next).formerWeight == 1);
+  RenderSettings cut;
+  cut.switchSeconds = 0;
+  CHECK(planFrame(scene, bounds, {{after}, cut, 0.05}, state).formerWeight == 0);
+}
+
+TEST_CASE("time between frames is clamped (T18)") {
+  const Scene scene = stackedGrid();
+  const SceneBounds bounds = sceneBounds(scene);
+  PlanState state = planFrame(scene, bounds, {{cameraAt({0.45, 0, 0.45})}, {}, 0}, {}).next;
+  state = planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, 0}, state).next;
+  for (const double dt : {0.0, -5.0, std::numeric_limits<double>::quiet_NaN()})
+    CHECK_FALSE(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).formerWeight < 1);
+  for (const double dt : {1e9, std::numeric_limits<double>::infinity()})
+    CHECK(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).next.secondsSinceSwitch == 0.1);
+}
+
+TEST_CASE("both eyes get one order, from their middle, and weights of their own") {
+  const Scene scene = stackedGrid();
+  // The border of two triangles runs between the eyes.
+  const Camera left = cameraAt({0.47, 0, 0.5}), right = cameraAt({0.535, 0, 0.5});
+  const FramePlan both = planFrame(scene, sceneBounds(scene), {{left, right}, {}});
+  REQUIRE_FALSE(both.cells.empty());
+  CHECK(both.views.size() == 2);
+  const FramePlan l = planOf(scene, left), r = planOf(scene, right);
+  CHECK(l.cells[0].cell != r.cells[0].cell);
+  CHECK(both.cells[0].view[0] != both.cells[0].view[1]);
+  for (const PlannedCell& cell : both.cells)
+    for (const auto& [alone, view] : {std::pair{&l, 0}, std::pair{&r, 1}})
+      for (const PlannedCell& other : alone->cells)
+        if (other.cell == cell.cell) CHECK(other.view[0] == cell.view[std::size_t(view)]);
+  CHECK_THROWS_AS(planFrame(scene, sceneBounds(scene), {{}, {}}), Error);
+  CHECK_THROWS_AS(planFrame(scene, sceneBounds(scene), {{left, left, left}, {}}), Error);
+}
+
+TEST_CASE("cells dissolve before they reach the limit, and the main cell is never cut while inside") {
+  const Scene scene = stackedGrid();
+  RenderSettings settings;
+  settings.extrapolationLimit = 1;
+  settings.fadeShare = 0.5;
+  double last = 1;
+  for (double z = 2; z < 3.5; z += 0.05) {
+    const FramePlan plan = planOf(scene, cameraAt({1, 0, z}), settings);
+    const double opacity = plan.cells.empty() ? 0 : plan.cells[0].opacity;
+    CHECK(opacity <= last);
+    CHECK(last - opacity < 0.1);  // no cut
+    last = opacity;
+  }
+  CHECK(last == 0);
+}
+
+TEST_CASE("backdrops: nearest first, then by direction, no more than the settings allow") {
+  Scene scene = stackedGrid();
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    Cell backdrop = cellOf(scene, {n});
+    scene.backdrops.push_back(backdrop);
+  }
+  REQUIRE(validate(scene).empty());
+  const FramePlan plan = planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1));
+  REQUIRE(plan.backdrops.size() >= 8);  // of 36
+  CHECK(plan.backdrops.size() <= 12);
+  CHECK(scene.nodes[scene.backdrops[plan.backdrops[0]].members[0]].name == "000");
+  double last = 0;
+  for (const std::uint32_t b : plan.backdrops) {
+    const Camera& camera = scene.nodes[scene.backdrops[b].members[0]].camera;
+    const double distance = glm::distance(camera.pose.position, plan.views[0].pose.position);
+    CHECK(distance >= last);
+    last = distance;
+  }
+  RenderSettings settings;
+  settings.lowestTier = kTierRejected;
+  CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1), settings).backdrops.empty());
 }

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is drawn for one view, in order: a step is one tier of one mesh.
+//
+//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "ibr/renderer.h"
+#include "render/gpu_scene.h"
+
+namespace ibr {
+
+inline constexpr std::uint32_t kLargestStepCount = 2 * kLargestCellCount + kLargestBackdropCount;
+
+struct Step {
+  const GpuScene::State::Mesh* mesh;
+  GpuScene::State::Range range;
+  PlannedCell::View weights;  // tier 0 as planned; else one member alone, so that what disagrees cannot ghost
+  Tier tier;
+  float opacity;
+};
+
+/// Best first, without allocation.
+struct Steps {
+  std::array<Step, kLargestStepCount> step;
+  std::uint32_t count = 0;
+
+  std::span<const Step> all() const { return {step.data(), count}; }
+};
+
+/// The picture of the plan's order, or of the order before a switch.
+enum class Order : std::uint8_t { current, former };
+
+Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept;
+
+}  // namespace ibr
