@@ -16,7 +16,7 @@ int main(int argc, char** argv) try {
   ibr::Device device = ibr::Device::create();
   const ibr::Scene scene = ibr::loadScene(argv[1]);
   const ibr::GpuScene gpuScene(device, scene);
-  const ibr::Renderer renderer(device, gpuScene, {960, 540});
+  const ibr::Renderer renderer(device, gpuScene, {{960, 540}});
   ibr::Offscreen offscreen(device, {960, 540});
 
   // Stand in the middle of the first cell and look where its photographs look.

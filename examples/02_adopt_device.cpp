@@ -76,7 +76,7 @@ struct Engine {
 
 ibr::Image8 render(ibr::Device& device, const ibr::Scene& scene) {
   const ibr::GpuScene gpuScene(device, scene);
-  const ibr::Renderer renderer(device, gpuScene, {640, 480});
+  const ibr::Renderer renderer(device, gpuScene, {{640, 480}});
   ibr::Offscreen offscreen(device, {640, 480});
   ibr::Camera view = scene.nodes.at(scene.cells.at(0).members[0]).camera;
   view.intrinsics = ibr::pinholeFromFov(640, 480, 1.0);

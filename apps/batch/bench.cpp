@@ -57,7 +57,7 @@ ExitCode bench(const Options& options, const Context& context) {
   Device device = Device::create({.device = context.options().device, .log = context.log()});
   const VkExtent2D extent{std::uint32_t(options.size.width), std::uint32_t(options.size.height)};
   const GpuScene gpuScene(device, scene);
-  const Renderer renderer(device, gpuScene, extent);
+  const Renderer renderer(device, gpuScene, {extent});
   Offscreen offscreen(device, extent);
   ScopeTimer timer(device, 1);
   const auto milliseconds = [&](const FramePlan& plan) {

@@ -25,7 +25,7 @@ SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views,
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene),
-      renderer_(device_, gpuScene_, largestOf(views)) {}
+      renderer_(device_, gpuScene_, {largestOf(views)}) {}
 
 Offscreen& SceneRenderer::offscreen(int width, int height) {
   const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};

@@ -197,7 +197,7 @@ TEST_CASE("a recorded frame may be left unsubmitted, and a scene may be empty") 
   const Camera view = cameraAt({0.4, 0.1, 0});
   const Image8 expected = stage.render(view);
   GpuScene nothing(testDevice(), Scene{});
-  Renderer renderer(testDevice(), nothing, {320, 240});
+  Renderer renderer(testDevice(), nothing, {{320, 240}});
   Offscreen offscreen(testDevice(), {320, 240});
   const FramePlan empty = planFrame(Scene{}, {}, {{view}, {}});
   const Image8 black =

@@ -4,7 +4,7 @@
 //   Device device = Device::create();
 //   Scene scene = loadScene("place");
 //   GpuScene gpuScene(device, scene);
-//   Renderer renderer(device, gpuScene, {1920, 1080});
+//   Renderer renderer(device, gpuScene, {{1920, 1080}});
 //   FramePlan plan = planFrame(scene, bounds, {{view}, settings}, state);
 //   renderer.record(commandBuffer, plan, target);           // then the caller submits
 //
@@ -67,7 +67,7 @@ struct RenderSettings {
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long
-  int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn
+  int lowestTier = kTierFilled;     // tiers beyond this are not drawn
   glm::vec3 background{0.0f};       // display-encoded, shown where nothing is drawn
 };
 
@@ -102,8 +102,8 @@ struct PlannedCell {
   double extrapolationDistance = 0;  // world units, from the middle of the views; 0 inside ([T] §2.5.2)
   double rotationalDistance = 0;     // radians, likewise
   double opacity = 1;                // below 1 near the extrapolation limit
-  std::uint32_t best = 0;            // member with the greatest λ̂ in the middle of the views; tier 1 is drawn from it
-  std::array<View, 2> view;          // weights by view
+  std::uint32_t best = 0;    // member with the greatest λ̂ in the middle of the views; tier 1 is drawn from it
+  std::array<View, 2> view;  // weights by view
 };
 
 /// What a plan remembers of the frames before. Start from {}.
@@ -133,8 +133,8 @@ struct FramePlan {
 /// unit rotation, else Error{invalidInput}. The order is total, does not depend on the order of cells in the scene, and
 /// is one for all views, from the pose in their middle ([T] §2.5.4).
 ///
-/// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then the
-/// main cell is kept.
+/// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
+/// the main cell is kept.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
@@ -164,12 +164,18 @@ class GpuScene {
   std::unique_ptr<State> state_;
 };
 
+struct RendererOptions {
+  VkExtent2D largest{0, 0};  // of a picture
+  std::uint32_t views = 1;   // most of a plan
+  bool switchMixing = true;  // a second canvas, for FramePlan::former; without, a switch is a cut
+  bool fill = true;          // tier 3; without, the background shows where nothing is drawn
+};
+
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.
 class Renderer {
  public:
-  /// Allocates the canvas (RGBA8 + D32F) and builds pipelines for pictures of at most `largest` pixels and
-  /// plans of at most `views` views.
-  Renderer(Device& device, const GpuScene& scene, VkExtent2D largest, std::uint32_t views = 1);
+  /// Allocates working images and builds the pipelines that this scene needs.
+  Renderer(Device& device, const GpuScene& scene, const RendererOptions& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
@@ -186,10 +192,10 @@ class Renderer {
 
   /// What recording a plan amounts to. Exact; a scene pays only for what it declares (NUMERICS §4).
   struct Counters {
-    std::uint32_t pipelines = 0;                // alive in this renderer
-    std::uint32_t passes = 0, draws = 0;        // of the frame
-    std::uint64_t triangles = 0;                // of its draws
-    std::uint64_t canvasBytes = 0;              // working images of this renderer
+    std::uint32_t pipelines = 0;                          // alive in this renderer
+    std::uint64_t workingBytes = 0;                       // of this renderer's images
+    std::uint32_t passes = 0, draws = 0, dispatches = 0;  // of the frame
+    std::uint64_t triangles = 0;                          // of its draws
   };
   Counters count(const FramePlan& plan) const noexcept;
 

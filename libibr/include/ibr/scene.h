@@ -30,6 +30,7 @@ enum Tier : std::uint8_t {
   kTierAgrees = 0,    // agrees in all members: blended as [T] says
   kTierRejected = 1,  // rejected by a filter: drawn from a single member after all of tier 0
   kTierBackdrop = 2,  // a photograph's backdrop mesh: the whole picture, its depth completed; after all of tier 1
+  kTierFilled = 3,    // nothing was drawn: filled from around
 };
 
 /// A morphing mesh over d members and n points.

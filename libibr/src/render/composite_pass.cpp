@@ -31,9 +31,10 @@ std::size_t indexOf(VkFormat format) {
 struct Constants {
   glm::vec3 background;
   std::uint32_t keepTier;
+  glm::vec2 fillExtent;
   float formerWeight;
 };
-static_assert(sizeof(Constants) == 20);
+static_assert(sizeof(Constants) == 28);
 
 }  // namespace
 
@@ -41,10 +42,14 @@ bool CompositePass::supports(VkFormat format) noexcept {
   return indexOf(format) < kFormats.size();
 }
 
-CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas& former) {
+CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* former, const FillPass* fill) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
-  std::array<VkDescriptorSetLayoutBinding, 2> bindings{};
+  VkSamplerCreateInfo linear = nearest;
+  linear.magFilter = linear.minFilter = VK_FILTER_LINEAR;
+  linear.addressModeU = linear.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  linear_ = make<SamplerHandle>(device, vkCreateSampler, linear, "vkCreateSampler");
+  std::array<VkDescriptorSetLayoutBinding, 3> bindings{};
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   setLayout_ = makeSetLayout(device, bindings);
@@ -52,7 +57,9 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas&
   pool_ = makeDescriptorPool(device, 1, {&size, 1});
   set_ = allocateSet(device, pool_.get(), setLayout_.get());
   writeSampledImage(device, set_, 0, sampler_.get(), canvas.colourView());
-  writeSampledImage(device, set_, 1, sampler_.get(), former.colourView());
+  // What there is not is not read; a binding must hold something all the same.
+  writeSampledImage(device, set_, 1, sampler_.get(), (former ? *former : canvas).colourView());
+  writeSampledImage(device, set_, 2, linear_.get(), fill ? fill->colours().view() : canvas.colourView());
 
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
@@ -72,7 +79,7 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas&
 }
 
 void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight,
-                           const Target& target) const noexcept {
+                           bool filled, const Target& target) const noexcept {
   assert(supports(target.format));
   transition(commandBuffer, target.image, target.before, use::kColourAttachment);
   VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -91,7 +98,11 @@ void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& 
   vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
-  const Constants constants{settings.background, settings.alpha == AlphaContent::tier, formerWeight};
+  Constants constants{settings.background, settings.alpha == AlphaContent::tier, {0, 0}, formerWeight};
+  if (filled) {
+    const VkExtent2D used = FillPass::coarser(target.extent);
+    constants.fillExtent = {float(used.width), float(used.height)};
+  }
   vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commandBuffer, 3, 1, 0, 0);
   vkCmdEndRendering(commandBuffer);

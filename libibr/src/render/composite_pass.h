@@ -5,17 +5,19 @@
 #include "gpu/canvas.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "render/fill_pass.h"
 
 namespace ibr {
 
 class CompositePass {
  public:
-  /// `former`: the canvas of the order before a switch.
-  CompositePass(Device& device, const Canvas& canvas, const Canvas& former);
+  /// `former`: the canvas of the order before a switch; `fill`: what shows where nothing was drawn. Null: there is
+  /// none.
+  CompositePass(Device& device, const Canvas& canvas, const Canvas* former, const FillPass* fill);
 
-  /// Outside a render pass; the canvases have been ended, the former one only where formerWeight > 0.
-  /// target.before → target.after; the whole extent is written.
-  void record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight,
+  /// Outside a render pass; the canvas has been ended, the former one where formerWeight > 0, and the fill pass was
+  /// recorded where `filled`. target.before → target.after; the whole extent is written.
+  void record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight, bool filled,
               const Target& target) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
@@ -23,7 +25,7 @@ class CompositePass {
   static bool supports(VkFormat format) noexcept;
 
  private:
-  SamplerHandle sampler_;
+  SamplerHandle sampler_, linear_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;

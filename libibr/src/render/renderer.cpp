@@ -1,42 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
+#include <optional>
 
 #include "gpu/canvas.h"
 #include "gpu/submit.h"
 #include "ibr/renderer.h"
 #include "render/cell_pass.h"
 #include "render/composite_pass.h"
+#include "render/fill_pass.h"
 #include "render/gpu_scene.h"
 #include "render/steps.h"
 
 namespace ibr {
 
 struct Renderer::State {
-  State(Device& device, const GpuScene& gpuScene, VkExtent2D size, std::uint32_t views)
-      : scene(&gpuScene.state()),
-        largest(size),
-        largestViews(views),
-        canvas(device, size),
-        former(device, size),
-        cells(device, gpuScene, canvas.renderPass(), views),
-        composite(device, canvas, former) {
-    // The composition always has both canvases bound; one that is not drawn is in the layout it is bound with.
+  State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
+      : scene(&gpuScene.state()), options(o), canvas(device, o.largest) {
+    if (o.switchMixing) former.emplace(device, o.largest);
+    if (o.fill) fill.emplace(device, canvas);
+    cells.emplace(device, gpuScene, canvas.renderPass(), o.views);
+    composite.emplace(device, canvas, former ? &*former : nullptr, fill ? &*fill : nullptr);
+    // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
+    // are bound with from here on.
     submitAndWait(device, [&](VkCommandBuffer commands) {
-      former.begin(commands, size, {0, 0, 0, 0});
-      former.end(commands);
+      for (const Canvas* image : {&canvas, former ? &*former : nullptr}) {
+        if (!image) continue;
+        image->begin(commands, o.largest, {0, 0, 0, 0});
+        image->end(commands);
+      }
+      if (fill) fill->record(commands, o.largest);
     });
   }
 
+  // What of a plan this renderer can show.
+  bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
+  bool fills(const FramePlan& plan) const { return fill && plan.settings.lowestTier >= kTierFilled; }
+
   const GpuScene::State* scene;
-  VkExtent2D largest;
-  std::uint32_t largestViews;
-  Canvas canvas, former;
-  CellPass cells;
-  CompositePass composite;
+  RendererOptions options;
+  Canvas canvas;
+  std::optional<Canvas> former;
+  std::optional<FillPass> fill;
+  std::optional<CellPass> cells;
+  std::optional<CompositePass> composite;
 };
 
-Renderer::Renderer(Device& device, const GpuScene& scene, VkExtent2D largest, std::uint32_t views)
-    : state_(std::make_unique<State>(device, scene, largest, views)) {}
+Renderer::Renderer(Device& device, const GpuScene& scene, const RendererOptions& options)
+    : state_(std::make_unique<State>(device, scene, options)) {}
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
@@ -48,41 +58,53 @@ bool Renderer::supports(VkFormat format) noexcept {
 void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
                       std::span<const Target> targets) const noexcept {
   const State& s = *state_;
-  assert(targets.size() == plan.views.size() && targets.size() <= s.largestViews);
-  s.cells.update(commandBuffer, plan);
+  assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
+  s.cells->update(commandBuffer, plan);
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
-    assert(target.extent.width <= s.largest.width && target.extent.height <= s.largest.height);
+    assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
     const auto drawInto = [&](const Canvas& canvas, Order order) {
       canvas.begin(commandBuffer, target.extent, {0, 0, 0, 0});
-      s.cells.draw(commandBuffer, plan, order, view, target.extent);
+      s.cells->draw(commandBuffer, plan, order, view, target.extent);
       canvas.end(commandBuffer);
     };
     drawInto(s.canvas, Order::current);
-    if (plan.formerWeight > 0) drawInto(s.former, Order::former);
-    s.composite.record(commandBuffer, plan.settings, float(plan.formerWeight), target);
+    if (s.mixes(plan)) drawInto(*s.former, Order::former);
+    if (s.fills(plan)) s.fill->record(commandBuffer, target.extent);
+    s.composite->record(commandBuffer, plan.settings, s.mixes(plan) ? float(plan.formerWeight) : 0.0f, s.fills(plan),
+                        target);
   }
 }
 
 Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   const State& s = *state_;
   Counters counters;
-  counters.pipelines = s.cells.pipelineCount() + s.composite.pipelineCount();
-  counters.canvasBytes = s.canvas.allocatedBytes() + s.former.allocatedBytes();
-  for (std::size_t view = 0; view < plan.views.size(); ++view)
+  counters.pipelines = s.cells->pipelineCount() + s.composite->pipelineCount();
+  counters.workingBytes = s.canvas.allocatedBytes();
+  if (s.former) counters.workingBytes += s.former->allocatedBytes();
+  if (s.fill) {
+    counters.pipelines += FillPass::kPipelineCount;
+    counters.workingBytes += s.fill->allocatedBytes();
+  }
+  for (std::size_t view = 0; view < plan.views.size(); ++view) {
+    const Intrinsics& k = plan.views[view].intrinsics;
+    if (s.fills(plan))
+      counters.dispatches += FillPass::dispatchCount({std::uint32_t(k.width), std::uint32_t(k.height)});
+    ++counters.passes;  // the composition, a triangle
+    ++counters.draws;
+    ++counters.triangles;
     for (const Order order : {Order::current, Order::former}) {
-      if (order == Order::former && plan.formerWeight <= 0) continue;
-      counters.passes += order == Order::current ? 2 : 1;  // a canvas each, and the composition
+      if (order == Order::former && !s.mixes(plan)) continue;
+      ++counters.passes;
       const Steps steps = stepsOf(*s.scene, plan, order, view);
       for (const Step& step : steps.all()) {
         ++counters.draws;
         counters.triangles += step.range.indexCount / 3;
       }
     }
-  counters.draws += std::uint32_t(plan.views.size());  // the compositions
-  counters.triangles += plan.views.size();
+  }
   return counters;
 }
 

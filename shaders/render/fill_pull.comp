@@ -1,0 +1,31 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// One level of pulling: shared/fill.h. The finest source is the canvas, where alpha is a tier code and 0 means empty.
+#extension GL_GOOGLE_include_directive : require
+#include "shared/fill.h"
+
+layout(local_size_x = kFillGroup, local_size_y = kFillGroup) in;
+layout(constant_id = 0) const bool kFromCanvas = false;
+layout(set = 0, binding = 0) uniform sampler2D source;
+layout(set = 0, binding = 1, rgba16f) uniform writeonly image2D target;
+layout(push_constant) uniform Constants {
+  ivec2 fine;    // extents in use
+  ivec2 coarse;
+};
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= coarse.x || pixel.y >= coarse.y) return;
+  vec3 sum = vec3(0.0);
+  float weight = 0.0;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const ivec2 at = 2 * pixel + ivec2(i, j);
+      if (at.x >= fine.x || at.y >= fine.y) continue;
+      const vec4 value = texelFetch(source, at, 0);
+      const float w = kFromCanvas ? (value.a > 0.0 ? 1.0 : 0.0) : value.a;
+      sum += w * value.rgb;
+      weight += w;
+    }
+  imageStore(target, pixel, vec4(weight > 0.0 ? sum / weight : vec3(0.0), pulledWeight(weight)));
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tier 3: push–pull filling.
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "reference/stage.h"
+#include "shared/fill.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+struct Level {
+  int width = 0, height = 0;
+  std::vector<glm::dvec4> texels;  // colour and weight
+  const glm::dvec4& at(int x, int y) const { return texels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+  glm::dvec4& at(int x, int y) { return texels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+  const glm::dvec4& clamped(int x, int y) const {
+    return at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1));
+  }
+};
+
+Level pulled(const Level& fine) {
+  Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x) {
+      glm::dvec3 sum(0);
+      double weight = 0;
+      for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i)
+          if (2 * x + i < fine.width && 2 * y + j < fine.height) {
+            const glm::dvec4& value = fine.at(2 * x + i, 2 * y + j);
+            sum += value.a * glm::dvec3(value);
+            weight += value.a;
+          }
+      coarse.texels.emplace_back(weight > 0 ? sum / weight : sum, shader::pulledWeight(float(weight)));
+    }
+  return coarse;
+}
+
+glm::dvec3 interpolated(const Level& level, double x, double y) {
+  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+  const auto row = [&](int j) {
+    return glm::mix(glm::dvec3(level.clamped(x0, j)), glm::dvec3(level.clamped(x0 + 1, j)), x - x0);
+  };
+  return glm::mix(row(y0), row(y0 + 1), y - y0);
+}
+
+// Twin of the fill pass and of the composition's use of it: what an empty pixel of `picture` (alpha 0) shows.
+Level filled(const Image8& picture) {
+  std::vector<Level> levels{{picture.width, picture.height, {}}};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const auto p = picture.pixel(x, y);
+      levels[0].texels.emplace_back(glm::dvec3(p[0], p[1], p[2]) / 255.0, p[3] != 0);
+    }
+  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(pulled(levels.back()));
+  for (std::size_t l = levels.size() - 1; l-- > 1;)
+    for (int y = 0; y < levels[l].height; ++y)
+      for (int x = 0; x < levels[l].width; ++x) {
+        glm::dvec4& value = levels[l].at(x, y);
+        const glm::dvec3 coarse = interpolated(levels[l + 1], 0.5 * (x + 0.5) - 0.5, 0.5 * (y + 0.5) - 0.5);
+        value = glm::dvec4(glm::mix(coarse, glm::dvec3(value), value.a), 1);
+      }
+  Level result{picture.width, picture.height, {}};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const glm::dvec3 colour = interpolated(levels[1], 0.5 * (x + 0.5) - 0.5, 0.5 * (y + 0.5) - 0.5);
+      result.texels.push_back(levels[0].at(x, y).a > 0 ? levels[0].at(x, y) : glm::dvec4(colour, 0));
+    }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("empty pixels are filled as the twin fills them, and no others are touched") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  for (const Camera& view : {cameraAt({0.4, 0.25, 0.1}), cameraAt({0.4, 0.25, 0.1}, 0.4, 0, 333, 201),
+                             cameraAt({0.2, 0.1, 0}, 0, 0, 64, 1), cameraAt({0.2, 0.1, 0}, 0, 0, 1, 64)}) {
+    RenderSettings settings = withTiers();
+    const Image8 empty = stage.render(view, settings);
+    settings.lowestTier = kTierFilled;
+    const Image8 picture = stage.render(view, settings);
+    const Level twin = filled(empty);
+    int wrong = 0, holes = 0;
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        const auto before = empty.pixel(x, y), after = picture.pixel(x, y);
+        const bool hole = before[3] == 0;
+        holes += hole;
+        wrong += after[3] != (hole ? 63 : before[3]);
+        // Half floats and the filter's weights of 8 bits, over the levels.
+        for (std::size_t c = 0; c < 3; ++c)
+          wrong += std::abs(after[c] - 255 * twin.at(x, y)[int(c)]) > (hole ? 3.0 : 0.5);
+      }
+    INFO(picture.width << "x" << picture.height);
+    CHECK(holes > 0);
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("a picture with nothing in it shows the background") {
+  const Stage stage(testDevice(), makeScene(place(2)));
+  RenderSettings settings = withTiers();
+  settings.lowestTier = kTierFilled;
+  settings.background = {1, 0, 0};
+  const Image8 picture = stage.render(cameraAt({0.4, 0.1, 0}, 3.0), settings);
+  CHECK(picture.pixel(10, 10)[0] == 255);
+  CHECK(picture.pixel(10, 10)[1] == 0);
+  CHECK(picture.pixel(10, 10)[3] == 0);
+}
+
+TEST_CASE("a frame costs what it declares") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  GpuScene gpuScene(testDevice(), stage.scene(), [&](const Scene&, std::size_t n) { return stage.textures()[n]; });
+  const Renderer whole(testDevice(), gpuScene, {{320, 240}});
+  const Renderer bare(testDevice(), gpuScene, {.largest = {320, 240}, .switchMixing = false, .fill = false});
+  const FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}));
+  const std::uint64_t triangles = stage.scene().cells[0].mesh.triangles.size();
+  // Cells of three members on one or several pages: with and without depth, each with and without dissolving; four
+  // formats of targets; three of the fill pass.
+  const Renderer::Counters w = whole.count(plan), b = bare.count(plan);
+  CHECK(b.pipelines == 4 + 4);
+  CHECK(w.pipelines == b.pipelines + 3);
+  CHECK(b.passes == 2);
+  CHECK(b.draws == 2);
+  CHECK(b.dispatches == 0);
+  CHECK(b.triangles == triangles + 1);
+  CHECK(w.dispatches == 2 * 9 - 1);  // 160×120 to 1×1 in nine levels
+  CHECK(w.triangles == b.triangles);
+  CHECK(b.workingBytes >= 320 * 240 * 8);
+  CHECK(w.workingBytes > 2 * b.workingBytes);
+  FramePlan mixing = plan;
+  mixing.former = plan.cells;
+  mixing.formerWeight = 0.5;
+  CHECK(whole.count(mixing).passes == 3);
+  CHECK(whole.count(mixing).triangles == 2 * triangles + 1);
+  CHECK(bare.count(mixing).passes == 2);
+}
