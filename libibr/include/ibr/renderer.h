@@ -169,6 +169,7 @@ struct RendererOptions {
   std::uint32_t views = 1;   // most of a plan
   bool switchMixing = true;  // a second canvas, for FramePlan::former; without, a switch is a cut
   bool fill = true;          // tier 3; without, the background shows where nothing is drawn
+  bool depth = false;        // for targets with a depth
 };
 
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.

@@ -4,6 +4,9 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <limits>
+#include <optional>
+
 namespace ibr {
 
 /// Layout, stages and accesses of one use of an image. A barrier goes from one use to the next; nothing is tracked.
@@ -28,11 +31,24 @@ inline constexpr ImageUse kTransferSource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, 
                                           VK_ACCESS_2_TRANSFER_READ_BIT};
 inline constexpr ImageUse kTransferDestination{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_TRANSFER_BIT,
                                                VK_ACCESS_2_TRANSFER_WRITE_BIT};
-inline constexpr ImageUse kStorage{
-    VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-    VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
+inline constexpr ImageUse kStorage{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                   VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT};
 inline constexpr ImageUse kPresent{VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE};
 }  // namespace use
+
+/// Where a renderer puts the scene's real depth, so that the caller's polygons can be tested against it. What is near
+/// is exact to about a part in 10⁴ (the canvas shares its depth among all that is drawn); what has no metric depth (ρ =
+/// 0) and what is empty lies at the far end. Written for DrawOrder::ours; the paper's order has no depth: all is far.
+struct DepthTarget {
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;       // 2D, one level, one layer, depth attachment usage
+  VkFormat format = VK_FORMAT_D32_SFLOAT;  // or D16_UNORM
+  ImageUse before = use::kUndefined;       // its contents are replaced
+  ImageUse after = use::kDepthAttachment;
+  double nearPlane = 0.1;  // of the caller's projection, distances along the viewing axis, world units, 0 < near < far
+  double farPlane = std::numeric_limits<double>::infinity();
+  bool reversed = false;  // near → 1, far → 0
+};
 
 /// Where a renderer puts its picture. The image must outlive the commands recorded with it; nothing is kept after
 /// `record` returns. UNORM formats receive display-encoded values, SRGB formats the same picture through their encoder.
@@ -43,6 +59,7 @@ struct Target {
   VkExtent2D extent{0, 0};
   ImageUse before = use::kUndefined;  // how the caller used it last; its contents are replaced
   ImageUse after = use::kColourAttachment;
+  std::optional<DepthTarget> depth;  // of the same extent
 };
 
 }  // namespace ibr

@@ -33,7 +33,8 @@ ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint3
 }
 
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info) {
-  assert((info.renderPass == VK_NULL_HANDLE) != (info.colourFormat == VK_FORMAT_UNDEFINED));
+  const bool depthOnly = info.depthFormat != VK_FORMAT_UNDEFINED;
+  assert((info.renderPass != VK_NULL_HANDLE) + (info.colourFormat != VK_FORMAT_UNDEFINED) + depthOnly == 1);
   const ShaderModuleHandle vertex = shaderModule(device, info.vertex);
   const ShaderModuleHandle fragment =
       info.fragment.empty() ? ShaderModuleHandle() : shaderModule(device, info.fragment);
@@ -60,23 +61,25 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
       .lineWidth = 1.0f};
   const VkPipelineMultisampleStateCreateInfo samples{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
                                                      .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-  const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                    .depthTestEnable = info.depthTest,
-                                                    .depthWriteEnable = info.depthWrite,
-                                                    .depthCompareOp = VK_COMPARE_OP_LESS};
+  const VkPipelineDepthStencilStateCreateInfo depth{
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+      .depthTestEnable = info.depthTest || depthOnly,
+      .depthWriteEnable = info.depthWrite || depthOnly,
+      .depthCompareOp = depthOnly ? VK_COMPARE_OP_ALWAYS : VK_COMPARE_OP_LESS};
   const VkPipelineColorBlendAttachmentState replace{.colorWriteMask =
                                                         VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
                                                         VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
   const VkPipelineColorBlendStateCreateInfo blending{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                                     .attachmentCount = 1,
+                                                     .attachmentCount = depthOnly ? 0u : 1u,
                                                      .pAttachments = &replace};
   constexpr VkDynamicState kDynamic[]{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
                                                  .dynamicStateCount = 2,
                                                  .pDynamicStates = kDynamic};
   const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                                .colorAttachmentCount = 1,
-                                                .pColorAttachmentFormats = &info.colourFormat};
+                                                .colorAttachmentCount = depthOnly ? 0u : 1u,
+                                                .pColorAttachmentFormats = &info.colourFormat,
+                                                .depthAttachmentFormat = info.depthFormat};
 
   const VkGraphicsPipelineCreateInfo pipelineInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                                   .pNext = info.renderPass == VK_NULL_HANDLE ? &rendering : nullptr,

@@ -28,7 +28,8 @@ struct GraphicsPipelineInfo {
   std::span<const VkVertexInputAttributeDescription> attributes;
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkRenderPass renderPass = VK_NULL_HANDLE;     // subpass 0, one colour attachment; or else
-  VkFormat colourFormat = VK_FORMAT_UNDEFINED;  // of dynamic rendering with one attachment and no depth
+  VkFormat colourFormat = VK_FORMAT_UNDEFINED;  // of dynamic rendering with one attachment and no depth; or else
+  VkFormat depthFormat = VK_FORMAT_UNDEFINED;   // of dynamic rendering that writes depth and nothing else, untested
   bool depthTest = false;                       // passes where less
   bool depthWrite = false;
   bool depthClamp = false;

@@ -7,6 +7,7 @@
 #include "ibr/renderer.h"
 #include "render/cell_pass.h"
 #include "render/composite_pass.h"
+#include "render/depth_pass.h"
 #include "render/fill_pass.h"
 #include "render/gpu_scene.h"
 #include "render/steps.h"
@@ -20,6 +21,7 @@ struct Renderer::State {
     if (o.fill) fill.emplace(device, canvas);
     cells.emplace(device, gpuScene, canvas.renderPass(), o.views);
     composite.emplace(device, canvas, former ? &*former : nullptr, fill ? &*fill : nullptr);
+    if (o.depth) depth.emplace(device, canvas);
     // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
     // are bound with from here on.
     submitAndWait(device, [&](VkCommandBuffer commands) {
@@ -43,6 +45,7 @@ struct Renderer::State {
   std::optional<FillPass> fill;
   std::optional<CellPass> cells;
   std::optional<CompositePass> composite;
+  std::optional<DepthPass> depth;
 };
 
 Renderer::Renderer(Device& device, const GpuScene& scene, const RendererOptions& options)
@@ -62,6 +65,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
   s.cells->update(commandBuffer, plan);
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
+    assert(!target.depth || s.depth);
     assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
@@ -73,6 +77,11 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
     drawInto(s.canvas, Order::current);
     if (s.mixes(plan)) drawInto(*s.former, Order::former);
     if (s.fills(plan)) s.fill->record(commandBuffer, target.extent);
+    if (target.depth) {
+      const bool hasDepth = plan.settings.order == DrawOrder::ours;
+      const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
+      s.depth->record(commandBuffer, steps, plan.nearDistance, target.extent, *target.depth);
+    }
     s.composite->record(commandBuffer, plan.settings, s.mixes(plan) ? float(plan.formerWeight) : 0.0f, s.fills(plan),
                         target);
   }
@@ -84,6 +93,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   counters.pipelines = s.cells->pipelineCount() + s.composite->pipelineCount();
   counters.workingBytes = s.canvas.allocatedBytes();
   if (s.former) counters.workingBytes += s.former->allocatedBytes();
+  if (s.depth) counters.pipelines += s.depth->pipelineCount();
   if (s.fill) {
     counters.pipelines += FillPass::kPipelineCount;
     counters.workingBytes += s.fill->allocatedBytes();

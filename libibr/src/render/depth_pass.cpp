@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/depth_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "gpu/barrier.h"
+#include "gpu/descriptors.h"
+#include "gpu/pipeline.h"
+#include "render/cell_pass.h"
+#include "shaders/composite_vert.h"
+#include "shaders/depth_frag.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::array kFormats{VK_FORMAT_D32_SFLOAT, VK_FORMAT_D16_UNORM};
+
+std::size_t indexOf(VkFormat format) {
+  return std::size_t(std::find(kFormats.begin(), kFormats.end(), format) - kFormats.begin());
+}
+
+struct Constants {
+  float slots, stepDepth, nearDistance, offset, slope;
+};
+
+}  // namespace
+
+bool DepthPass::supports(VkFormat format) noexcept {
+  return indexOf(format) < kFormats.size();
+}
+
+DepthPass::DepthPass(const Device& device, const Canvas& canvas) {
+  const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
+  const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
+                                             VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  setLayout_ = makeSetLayout(device, {&binding, 1});
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  pool_ = makeDescriptorPool(device, 1, {&size, 1});
+  set_ = allocateSet(device, pool_.get(), setLayout_.get());
+  writeSampledImage(device, set_, 0, sampler_.get(), canvas.depthView());
+  const VkDescriptorSetLayout setLayout = setLayout_.get();
+  const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
+  layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
+  for (const VkFormat format : kFormats)
+    pipelines_.push_back(makeGraphicsPipeline(device, {.name = "depth",
+                                                       .vertex = shaders::composite_vert,
+                                                       .fragment = shaders::depth_frag,
+                                                       .layout = layout_.get(),
+                                                       .depthFormat = format}));
+}
+
+void DepthPass::record(VkCommandBuffer commands, std::uint32_t steps, double nearDistance, VkExtent2D extent,
+                       const DepthTarget& target) const noexcept {
+  assert(supports(target.format));
+  transition(commands, target.image, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  attachment.imageView = target.view;
+  attachment.imageLayout = use::kDepthAttachment.layout;
+  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  rendering.renderArea = {{0, 0}, extent};
+  rendering.layerCount = 1;
+  rendering.pDepthAttachment = &attachment;
+  vkCmdBeginRendering(commands, &rendering);
+  const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
+  vkCmdSetViewport(commands, 0, 1, &viewport);
+  vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
+  // near → 0 and far → 1; an infinite far plane is the limit.
+  const double n = target.nearPlane, f = target.farPlane;
+  double offset = std::isinf(f) ? 1.0 : f / (f - n);
+  double slope = -n * offset;
+  if (target.reversed) {
+    offset = 1.0 - offset;
+    slope = -slope;
+  }
+  const Constants constants{float(steps + 1), kStepDepth, float(nearDistance), float(offset), float(slope)};
+  vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
+  vkCmdDraw(commands, 3, 1, 0, 0);
+  vkCmdEndRendering(commands);
+  transition(commands, target.image, use::kDepthAttachment, target.after, VK_IMAGE_ASPECT_DEPTH_BIT);
+}
+
+}  // namespace ibr

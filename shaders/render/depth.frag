@@ -1,0 +1,21 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Canvas depth → the caller's: rank and depth inside a mesh are told apart (render/cell_pass.h), and the inverse distance
+// goes through the caller's projection, which is linear in it: depth = offset + slope / z.
+layout(set = 0, binding = 0) uniform sampler2D canvasDepth;
+layout(push_constant) uniform Constants {
+  float slots;         // steps + 1
+  float stepDepth;     // share of a slot that a step uses
+  float nearDistance;  // of the plan
+  float offset;
+  float slope;
+};
+
+void main() {
+  const float value = texelFetch(canvasDepth, ivec2(gl_FragCoord.xy), 0).r;
+  float inside = fract(value * slots);
+  // In the gap between two steps: rounded down from the next one's nearest.
+  if (inside > 0.5 * (1.0 + stepDepth)) inside = 0.0;
+  const float inverseDistance = value >= 1.0 ? 0.0 : max(1.0 - inside / stepDepth, 0.0) / nearDistance;
+  gl_FragDepth = clamp(offset + slope * inverseDistance, 0.0, 1.0);
+}
