@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   BuildOptions build;
-  std::string photographs, model, output, excludeFrom;
+  std::string photographs, model, panoramas, output, excludeFrom;
 };
 
 // Models are usually kept beside the photographs, or in the folder that holds their folder.
@@ -92,8 +92,12 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Op
 }
 
 std::string reportJson(const BuildReport& report, const StageSeconds& stages, const Options& options) {
-  Json json{{"scene", options.output},  {"photographs", options.photographs}, {"model", options.build.model.string()},
-            {"cells", Json::array()},   {"dropped", Json::array()},           {"stages", Json::array()},
+  Json json{{"scene", options.output},
+            {"photographs", options.photographs},
+            {"model", (options.panoramas.empty() ? options.build.model : options.build.panoramas).string()},
+            {"cells", Json::array()},
+            {"dropped", Json::array()},
+            {"stages", Json::array()},
             {"seconds", report.seconds}};
   for (const auto& cell : report.cells)
     json["cells"].push_back({{"members", cell.members},
@@ -116,7 +120,9 @@ ExitCode buildScene(Options options, const Context& context) {
         options.photographs);
   build.photographs = options.photographs;
   build.output = options.output;
-  build.model = options.model.empty() ? findModel(build.photographs, context) : fs::path(options.model);
+  build.panoramas = options.panoramas;
+  build.model = options.model;
+  if (options.model.empty() && options.panoramas.empty()) build.model = findModel(build.photographs, context);
   build.seed = context.options().seed;
   build.threads = context.options().threads;
   if (!options.excludeFrom.empty())
@@ -144,9 +150,9 @@ const Command kBuildCommand{
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS are undistorted photographs; their poses are a COLMAP model (text or binary). The same input, options "
-        "and "
-        "seed give the same scene. A build that was stopped goes on where it was.",
+        "PHOTOS are undistorted photographs; their poses are a COLMAP model (text or binary). Panoramas are read and "
+        "checked (a model with EQUIRECTANGULAR cameras, or --panoramas), but cells of them cannot be built yet. The "
+        "same input, options and seed give the same scene. A build that was stopped goes on where it was.",
     .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -158,6 +164,9 @@ const Command kBuildCommand{
              "--model", options->model,
              "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
           ->type_name("DIR");
+      app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
+          ->type_name("FILE")
+          ->excludes("--model");
       app.add_option("--exclude", options->build.exclude, "Photographs to leave out, by their names in the model")
           ->type_name("NAME...");
       app.add_option("--exclude-from", options->excludeFrom, "The same, from a file with a name a line")

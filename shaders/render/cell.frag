@@ -7,10 +7,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/cell.h"
+#include "shared/panorama.h"
 
 layout(constant_id = 0) const int kMembers = 4;
-layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one image
+layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one image, sampled alike
 layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: pixels are left to what lies behind
+
+// Bit i: member i is a panorama. A constant of the pipeline rather than of the cell's data: a scene of pinholes pays
+// nothing, in a mixed cell no fragment branches, and it holds in helper pixels. A scene has few such combinations.
+layout(constant_id = 3) const int kPanoramas = 0;
 
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
@@ -26,12 +31,60 @@ layout(location = 0) out vec4 outColour;
 
 // Gradients come from outside: implicit ones would measure the parallax between members wherever the choice of a member
 // changes from one pixel to the next. Samplers are not indexed, since not every device can.
-vec3 photograph(int member, vec2 at, vec2 dx, vec2 dy) {
-  const vec3 coordinate = vec3(at, float(cells[inCell].member[member].layer));
-  if (member == 0) return textureGrad(photograph0, coordinate, dx, dy).rgb;
-  if (member == 1) return textureGrad(photograph1, coordinate, dx, dy).rgb;
-  if (member == 2) return textureGrad(photograph2, coordinate, dx, dy).rgb;
+vec3 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
+  if (slot == 0) return textureGrad(photograph0, coordinate, dx, dy).rgb;
+  if (slot == 1) return textureGrad(photograph1, coordinate, dx, dy).rgb;
+  if (slot == 2) return textureGrad(photograph2, coordinate, dx, dy).rgb;
   return textureGrad(photograph3, coordinate, dx, dy).rgb;
+}
+
+bool isPanorama(int member) { return (kPanoramas >> member & 1) != 0; }
+
+vec2 photographSize(int member) {
+  if (member == 0) return vec2(textureSize(photograph0, 0).xy);
+  if (member == 1) return vec2(textureSize(photograph1, 0).xy);
+  if (member == 2) return vec2(textureSize(photograph2, 0).xy);
+  return vec2(textureSize(photograph3, 0).xy);
+}
+
+struct Sampling {
+  vec2 at, dx, dy;
+  float spacing, reach;  // of a panorama's taps: PanoramaFootprint
+};
+
+Sampling sampling(int member) {
+  Sampling s;
+  if (isPanorama(member)) {
+    const vec3 ray = normalize(inTexture[member]);
+    const vec2 size = photographSize(member);
+    const PanoramaFootprint footprint = panoramaFootprint(ray, dFdx(ray), dFdy(ray), size);
+    s.at = panoramaCoordinate(ray);
+    s.dx = vec2(footprint.texels / size.x, 0.0);
+    s.dy = vec2(0.0, footprint.texels / size.y);
+    s.spacing = footprint.spacing;
+    s.reach = footprint.reach;
+  } else {
+    s.at = inTexture[member].xy / inTexture[member].z;
+    s.dx = dFdx(s.at);
+    s.dy = dFdy(s.at);
+    s.spacing = s.reach = 0.0;
+  }
+  return s;
+}
+
+// What `member` shows, by the sampler in `slot`.
+vec3 colourOf(int slot, int member, Sampling s) {
+  const float layer = float(cells[inCell].member[member].layer);
+  vec3 sum = photograph(slot, vec3(s.at, layer), s.dx, s.dy);
+  if (!isPanorama(slot)) return sum;
+  float total = 1.0;
+  for (int k = 1; float(k) < s.reach + 1.0; ++k) {
+    const float weight = min(s.reach + 1.0 - float(k), 1.0), aside = float(k) * s.spacing;
+    sum += weight * (photograph(slot, vec3(s.at.x - aside, s.at.y, layer), s.dx, s.dy) +
+                     photograph(slot, vec3(s.at.x + aside, s.at.y, layer), s.dx, s.dy));
+    total += 2.0 * weight;
+  }
+  return sum / total;
 }
 
 float noise(uvec2 offset) {
@@ -40,12 +93,10 @@ float noise(uvec2 offset) {
 }
 
 void main() {
-  vec2 at[kMaxMembers], dx[kMaxMembers], dy[kMaxMembers];
+  Sampling samplings[kMaxMembers];
   vec4 weights = vec4(0.0);
   for (int i = 0; i < kMembers; ++i) {
-    at[i] = inTexture[i].xy / inTexture[i].z;
-    dx[i] = dFdx(at[i]);
-    dy[i] = dFdy(at[i]);
+    samplings[i] = sampling(i);
     weights[i] = cells[inCell].member[i].blend;
   }
   if (kDissolve && noise(kDissolveOffset) >= cells[inCell].opacity) discard;
@@ -53,15 +104,14 @@ void main() {
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
   if (blending != kDither)
     for (int i = 0; i < kMembers; ++i)
-      if (weights[i] > 0.0) blended += weights[i] * photograph(i, at[i], dx[i], dy[i]);
+      if (weights[i] > 0.0) blended += weights[i] * colourOf(i, i, samplings[i]);
   if (blending != kBlend) {
     const int chosen = ditherMember(weights, noise(uvec2(0)));
     if (kOnePage) {
-      const vec3 coordinate = vec3(at[chosen], float(cells[inCell].member[chosen].layer));
-      dithered = textureGrad(photograph0, coordinate, dx[chosen], dy[chosen]).rgb;
+      dithered = colourOf(0, chosen, samplings[chosen]);
     } else {
       for (int i = 0; i < kMembers; ++i)
-        if (i == chosen) dithered = photograph(i, at[i], dx[i], dy[i]);
+        if (i == chosen) dithered = colourOf(i, i, samplings[i]);
     }
   }
   const vec3 colour = blending == kBlend ? blended : (blending == kDither ? dithered : 0.5 * (blended + dithered));

@@ -2,21 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Morphs a vertex ([T] §2.5.1 eq. 4; ARCHITECTURE §5 "The morph, one formula"):
 //   D = Σ λ_i R_i q_i + ρ t,  q_i = a_i r_i,  t = Σ λ_i c_i − p
-// The member's camera projects q_i to a homogeneous texture coordinate. It shares the vertex's scale with (D, ρ), so that
-// it is projectively exact inside a triangle.
+// A pinhole projects q_i to a homogeneous texture coordinate; a panorama's q_i goes on as it is ([T] fig. 1). Both share
+// the vertex's scale with (D, ρ), so that they are projectively exact inside a triangle.
 // (D, ρ) is the vertex in homogeneous coordinates of the virtual camera, so ρ = 0 is infinity.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/cell.h"
 
 layout(constant_id = 0) const int kMembers = 4;
+layout(constant_id = 3) const int kPanoramas = 0;  // bit i: member i is a panorama
 
 layout(location = 0) in vec3 inPoint[kMaxMembers];  // q_i; locations 0 to 3, those beyond kMembers repeat the last
 layout(location = 4) in float inInverseDistance;    // ρ
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
 
-layout(location = 0) out vec3 outTexture[kMaxMembers];  // homogeneous texture coordinate in member i
+layout(location = 0) out vec3 outTexture[kMaxMembers];  // pinhole: homogeneous texture coordinate in member i; panorama: q_i
 layout(location = 4) flat out uint outCell;
 
 void main() {
@@ -28,7 +29,9 @@ void main() {
     const vec3 point = unitRays ? normalize(inPoint[i]) : inPoint[i];
     direction += cells[cell].member[i].position * (cells[cell].member[i].toView * point);
     const vec2 focal = cells[cell].member[i].focal, principal = cells[cell].member[i].principal;
-    outTexture[i] = vec3(focal.x * point.x - principal.x * point.z, -focal.y * point.y - principal.y * point.z, -point.z);
+    outTexture[i] = (kPanoramas >> i & 1) != 0 ? point
+                                               : vec3(focal.x * point.x - principal.x * point.z,
+                                                      -focal.y * point.y - principal.y * point.z, -point.z);
   }
   for (int i = kMembers; i < kMaxMembers; ++i) outTexture[i] = vec3(0.0);
   outCell = cell;

@@ -5,6 +5,7 @@
 #define IBR_SHARED_GLSL_H
 
 #ifdef __cplusplus
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
@@ -16,6 +17,12 @@ using glm::mat3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
+using std::abs;
+using std::ceil;
+using std::clamp;
+using std::max;
+using std::min;
+using std::sqrt;
 using uint = std::uint32_t;
 }  // namespace ibr::shader
 #define IBR_SHARED_BEGIN namespace ibr::shader {

@@ -9,48 +9,93 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include "image/blue_noise.h"
 #include "reference/morph.h"
 #include "shared/cell.h"
+#include "shared/panorama.h"
 
 namespace ibr::reference {
 namespace {
 
+double largest(glm::dvec3 v) {
+  return std::max({v.x, v.y, v.z});
+}
+
 struct Texel {
-  glm::dvec3 colour;
-  double range;
+  glm::dvec3 colour{0};  // 0 to 1
+  double range = 0;      // as those of Picture
+  double levelRange = 0;
 };
 
-Texel bilinear(const Image8& image, glm::dvec2 at) {  // at: 0 to 1
+Texel mixed(const Texel& a, double weightA, const Texel& b, double weightB) {
+  return {weightA * a.colour + weightB * b.colour, std::max(a.range, b.range), std::max(a.levelRange, b.levelRange)};
+}
+
+int wrapped(int x, int width) {
+  return (x % width + width) % width;
+}
+
+Texel bilinear(const Image8& image, glm::dvec2 at, bool around) {  // at: 0 to 1; a panorama goes around in x
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-  Texel result{glm::dvec3(0), 0};
+  Texel result;
   glm::dvec3 low(255), high(0);
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i) {
-      const auto p = image.pixel(std::clamp(x0 + i, 0, image.width - 1), std::clamp(y0 + j, 0, image.height - 1));
+      const int column = around ? wrapped(x0 + i, image.width) : std::clamp(x0 + i, 0, image.width - 1);
+      const auto p = image.pixel(column, std::clamp(y0 + j, 0, image.height - 1));
       const glm::dvec3 value(p[0], p[1], p[2]);
       result.colour += (i ? x - x0 : 1 - (x - x0)) * (j ? y - y0 : 1 - (y - y0)) * value / 255.0;
       low = glm::min(low, value);
       high = glm::max(high, value);
     }
-  const glm::dvec3 range = high - low;
-  result.range = std::max({range.x, range.y, range.z});
+  result.range = largest(high - low);
   return result;
 }
 
-Texel sample(const std::vector<Image8>& levels, glm::dvec2 at, glm::dvec2 dx, glm::dvec2 dy) {
-  const glm::dvec2 size(levels[0].width, levels[0].height);
-  const double footprint = std::max(glm::length(dx * size), glm::length(dy * size));
+// `footprint`: texels of the finest level between neighbouring pixels.
+Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around) {
   const double lod = std::clamp(std::log2(std::max(footprint, 1e-30)), 0.0, double(levels.size() - 1));
   const auto fine = std::size_t(lod);
-  const Texel a = bilinear(levels[fine], at);
+  const Texel a = bilinear(levels[fine], at, around);
   if (fine + 1 >= levels.size() || lod == double(fine)) return a;
-  const Texel b = bilinear(levels[fine + 1], at);
+  const Texel b = bilinear(levels[fine + 1], at, around);
   const double t = lod - double(fine);
-  return {a.colour * (1 - t) + b.colour * t, std::max(a.range, b.range)};
+  Texel result = mixed(a, 1 - t, b, t);
+  result.levelRange = 255 * largest(glm::abs(a.colour - b.colour));
+  return result;
+}
+
+// `here`: q_i at the pixel; `dx`, `dy`: differences of its unit ray to the neighbouring pixels. See shared/panorama.h.
+Texel samplePanorama(const std::vector<Image8>& levels, const Intrinsics& k, glm::dvec3 here, glm::dvec3 dx,
+                     glm::dvec3 dy) {
+  const glm::dvec3 ray = glm::normalize(here);
+  const double longitude = std::atan2(ray.x, -ray.z), cosine = std::hypot(ray.x, ray.z);
+  const glm::dvec3 east(std::cos(longitude), 0, std::sin(longitude));
+  const glm::dvec3 north = glm::cross(east, ray);
+  const glm::dvec2 texelsPerRadian(k.width / (2 * std::numbers::pi), k.height / std::numbers::pi);
+  const glm::dvec2 x = texelsPerRadian * glm::dvec2(glm::dot(dx, east), glm::dot(dx, north));
+  const glm::dvec2 y = texelsPerRadian * glm::dvec2(glm::dot(dy, east), glm::dot(dy, north));
+  const double footprint = std::max(glm::length(x), glm::length(y));
+  const double apart = std::max(footprint, 1.0);
+  const double width = std::min(std::hypot(x.x, y.x) / std::max(cosine, 1e-6), double(k.width));
+  const double wanted = 0.5 * std::max(width / apart - 1.5, 0.0), most = double(shader::kLargestPanoramaReach);
+  const double reach = std::min(wanted, most), spacing = apart / k.width * std::max(wanted / most, 1.0);
+  const glm::dvec2 at = *project(k, ray) / glm::dvec2(k.width, k.height);
+  Texel sum = trilinear(levels, at, footprint, true);
+  double total = 1;
+  for (int tap = 1; tap < reach + 1; ++tap)
+    for (const double side : {-1.0, 1.0}) {
+      const double weight = std::min(reach + 1 - tap, 1.0);
+      sum = mixed(sum, 1, trilinear(levels, at + glm::dvec2(side * tap * spacing, 0), footprint, true), weight);
+      total += weight;
+    }
+  sum.colour /= total;
+  return sum;
 }
 
 struct Triangle {
@@ -86,11 +131,35 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
   return steps;
 }
 
-glm::dvec2 textureAt(const Step& step, const Triangle& t, std::size_t member, glm::dvec2 pixel) {
+const Intrinsics& intrinsicsOf(const Step& step, std::size_t member) {
+  return step.scene.nodes[step.cell.members[member]].camera.intrinsics;
+}
+
+// q_i at a pixel, up to a positive factor inside the triangle.
+glm::dvec3 pointAt(const Triangle& t, std::size_t member, glm::dvec2 pixel) {
   const glm::dvec3 a = t.inverse * glm::dvec3(pixel, 1.0);
-  const glm::dvec3 q = a[0] * t.point[0][member] + a[1] * t.point[1][member] + a[2] * t.point[2][member];
-  const Intrinsics& k = step.scene.nodes[step.cell.members[member]].camera.intrinsics;
-  return {(k.cx - k.fx * q.x / q.z) / k.width, (k.cy + k.fy * q.y / q.z) / k.height};
+  return a[0] * t.point[0][member] + a[1] * t.point[1][member] + a[2] * t.point[2][member];
+}
+
+Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& levels, std::size_t member, int x, int y) {
+  const Intrinsics& k = intrinsicsOf(step, member);
+  // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
+  const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5);
+  auto difference = [&](auto value) {
+    return std::pair(value({quad.x + 1.5, here.y}) - value({quad.x + 0.5, here.y}),
+                     value({here.x, quad.y + 1.5}) - value({here.x, quad.y + 0.5}));
+  };
+  if (k.model == CameraModel::equirectangular) {
+    const auto [dx, dy] = difference([&](glm::dvec2 pixel) { return glm::normalize(pointAt(t, member, pixel)); });
+    return samplePanorama(levels, k, pointAt(t, member, here), dx, dy);
+  }
+  auto coordinate = [&](glm::dvec2 pixel) {
+    const glm::dvec3 q = pointAt(t, member, pixel);
+    return glm::dvec2((k.cx - k.fx * q.x / q.z) / k.width, (k.cy + k.fy * q.y / q.z) / k.height);
+  };
+  const auto [dx, dy] = difference(coordinate);
+  const glm::dvec2 size(levels[0].width, levels[0].height);
+  return trilinear(levels, coordinate(here), std::max(glm::length(dx * size), glm::length(dy * size)), false);
 }
 
 const std::vector<std::uint16_t>& noiseRanks() {
@@ -108,7 +177,7 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
   const auto& blend = step.weights.blend;
   const int chosen =
       shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, noiseAt(x, y));
-  Texel result{glm::dvec3(0), 0};
+  Texel result;
   for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
     const double dithered = int(i) == chosen ? 1.0 : 0.0;
     const BlendMode mode = step.plan.settings.blend;
@@ -116,13 +185,7 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
                           : mode == BlendMode::dither ? dithered
                                                       : 0.5 * (blend[i] + dithered);
     if (weight == 0.0) continue;
-    // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
-    const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5);
-    const glm::dvec2 dx = textureAt(step, t, i, {quad.x + 1.5, here.y}) - textureAt(step, t, i, {quad.x + 0.5, here.y});
-    const glm::dvec2 dy = textureAt(step, t, i, {here.x, quad.y + 1.5}) - textureAt(step, t, i, {here.x, quad.y + 0.5});
-    const Texel texel = sample(textures[step.cell.members[i]], textureAt(step, t, i, here), dx, dy);
-    result.colour += weight * texel.colour;
-    result.range = std::max(result.range, texel.range);
+    result = mixed(result, 1, sample(step, t, textures[step.cell.members[i]], i, x, y), weight);
   }
   return result;
 }
@@ -154,6 +217,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
             unproject(step.scene.nodes[step.cell.members[i]].camera.intrinsics, mesh.match[i][p]) *
             (ours ? double(mesh.ratio[i][p]) : 1.0);
     }
+    if (m[0].z <= 0 && m[1].z <= 0 && m[2].z <= 0) continue;  // behind
     t.inverse = glm::inverse(m);
     int x0 = 0, y0 = 0, x1 = k.width - 1, y1 = k.height - 1;
     if (m[0].z > 0 && m[1].z > 0 && m[2].z > 0) {
@@ -178,6 +242,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
         const Texel texel = shade(step, t, textures, x, y);
         picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * step.tier) / 255.0);
         picture.range[at] = texel.range;
+        picture.levelRange[at] = texel.levelRange;
       }
   }
 }
@@ -187,7 +252,11 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
   const Camera& view = plan.views[viewIndex];
   const int width = view.intrinsics.width, height = view.intrinsics.height;
   const std::size_t count = std::size_t(width) * std::size_t(height);
-  Picture picture{width, height, std::vector<glm::dvec4>(count, glm::dvec4(0)), std::vector<std::uint8_t>(count, 0),
+  Picture picture{width,
+                  height,
+                  std::vector<glm::dvec4>(count, glm::dvec4(0)),
+                  std::vector<std::uint8_t>(count, 0),
+                  std::vector<double>(count, 0),
                   std::vector<double>(count, 0)};
   std::vector<Owner> owners(count);
   const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex);
@@ -220,6 +289,7 @@ Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textu
       colour = glm::mix(colour, shown(former->colour[at]), plan.formerWeight);
       picture.safe[at] &= former->safe[at];
       picture.range[at] = std::max(picture.range[at], former->range[at]);
+      picture.levelRange[at] = std::max(picture.levelRange[at], former->levelRange[at]);
     }
     picture.colour[at] = glm::dvec4(colour, picture.colour[at].a);
   }

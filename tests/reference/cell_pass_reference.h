@@ -13,6 +13,7 @@ struct Picture {
   std::vector<glm::dvec4> colour;  // RGB display-encoded, 0 to 1, and the canvas's tier code; (0, 0, 0, 0) in holes
   std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one tier of one cell
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
+  std::vector<double> levelRange;  // levels by which the two mip levels differ
 };
 
 /// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource

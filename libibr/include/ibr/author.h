@@ -13,7 +13,8 @@
 
 namespace ibr {
 
-/// Poses and sparse points from a pose estimator, in libibr's conventions (conventions.h). Sizes are those of the model.
+/// Poses and sparse points from a pose estimator, in libibr's conventions (conventions.h). Sizes are those of the
+/// model.
 struct PosedImage {
   std::string name;  // as the model has it, with '/' for folders
   Camera camera;
@@ -31,14 +32,25 @@ struct PosedModel {
   std::vector<Track> tracks;
 };
 
-/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. SIMPLE_PINHOLE and PINHOLE; other
+/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. SIMPLE_PINHOLE, PINHOLE and
+/// EQUIRECTANGULAR (number 17 in binary files; with parameters width and height, or with none in text files); other
 /// models throw Error{unsupported} that names the camera. Images without a pose are skipped with a message, as are
 /// observations of points that are not there. Throws Error (io, invalidInput) with file and line, or byte.
 PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {});
 
+/// Reads equirectangular panoramas with their poses from a JSON file:
+///   {"width": px, "height": px, "panoramas": [{"name": file, "position": [x, y, z],
+///    "R_world_to_camera": [[3], [3], [3]]}, …], "triangles": [[i, j, k], …]}
+/// Camera axes are COLMAP's (x right, y down, z forward, in the middle of the picture); the matrix is given row by row.
+/// "q_world_to_camera_wxyz" may stand for the matrix, "t_world_to_camera" for the position; where both are given they
+/// must agree. "triangles" may be missing; they are checked and otherwise not used. There are no tracks. Throws Error
+/// (io, invalidInput) with the JSON pointer of the fault.
+PosedModel readPanoramas(const std::filesystem::path& file);
+
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
-  std::filesystem::path model;        // COLMAP model folder
+  std::filesystem::path model;        // COLMAP model folder; or
+  std::filesystem::path panoramas;    // file that readPanoramas reads, instead of a model
   std::filesystem::path output;       // scene folder; made if missing
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
@@ -66,7 +78,8 @@ struct BuildReport {
 };
 
 /// Builds a scene folder. Cells are finished one by one and kept, so that an interrupted or cancelled build goes on
-/// where it stopped when it is called again with the same options. Throws Error.
+/// where it stopped when it is called again with the same options. Throws Error; {unsupported} for panoramas, after
+/// all of the input was read and checked: cells of panoramas cannot be built yet.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 }  // namespace ibr

@@ -152,15 +152,20 @@ class Builder {
     check(!options_.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     step("reading the model", 0, 1);
-    model_ = readColmapModel(options_.model, log_);
+    model_ = options_.panoramas.empty() ? readColmapModel(options_.model, log_) : readPanoramas(options_.panoramas);
     std::set<std::string> known;
     for (const PosedImage& image : model_.images) known.insert(image.name);
     for (const std::string& name : listPictures(options_.photographs))
       if (!known.contains(name)) report_.dropped.push_back({name, "not registered: the model has no pose for it"});
     removeExcluded(model_, options_.exclude);
-    check(!model_.images.empty(), ErrorCode::invalidInput, "{}: no image is left", options_.model.string());
+    check(!model_.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
+          (options_.panoramas.empty() ? options_.model : options_.panoramas).string());
     for (const PosedImage& image : model_.images)
       photographs_.push_back(findPhotograph(options_.photographs, image, options_.maxSize));
+    for (const PosedImage& image : model_.images)
+      check(image.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
+            "{}: is a panorama; cells of panoramas cannot be built yet (all {} images were read and checked)",
+            image.name, model_.images.size());
     refine_ = reprojectionError(model_) > kExactPx;
     plan_ = planCells(model_, options_);
     report_.dropped.insert(report_.dropped.end(), plan_.dropped.begin(), plan_.dropped.end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // COLMAP's binary files: little-endian, no header, each file a count and its records.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -73,14 +74,14 @@ void readCameras(Records& records) {
   for (std::uint64_t n = file.count("number of cameras", 24); n > 0; --n) {
     CameraRecord camera{file.place(), 0, 0, 0, 0, {}};
     camera.id = file.value<std::uint32_t>("CAMERA_ID");
-    const auto kind = file.value<std::int32_t>("MODEL");
-    check(kind >= 0 && std::size_t(kind) < kModelKinds.size(), ErrorCode::unsupported,
-          "{}: MODEL {} of camera {} is not known", camera.place.describe(), kind, camera.id);
-    camera.kind = std::size_t(kind);
+    const auto number = file.value<std::int32_t>("MODEL");
+    const auto kind = std::ranges::find(kModelKinds, number, &ModelKind::number);
+    check(kind != kModelKinds.end(), ErrorCode::unsupported, "{}: MODEL {} of camera {} is not known",
+          camera.place.describe(), number, camera.id);
+    camera.kind = std::size_t(kind - kModelKinds.begin());
     camera.width = file.value<std::uint64_t>("WIDTH");
     camera.height = file.value<std::uint64_t>("HEIGHT");
-    for (std::size_t i = 0; i < kModelKinds[camera.kind].parameters; ++i)
-      camera.parameters.push_back(file.real("PARAMS"));
+    for (std::size_t i = 0; i < kind->parameters; ++i) camera.parameters.push_back(file.real("PARAMS"));
     records.cameras.push_back(std::move(camera));
   }
   file.finish();

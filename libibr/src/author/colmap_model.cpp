@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "author/colmap_records.h"
+#include "author/world_to_camera.h"
 #include "base/check.h"
 #include "ibr/author.h"
 
@@ -43,14 +44,22 @@ void readRecords(const fs::path& folder, const LogCallback& log, Records& record
 Intrinsics toIntrinsics(const CameraRecord& camera) {
   const std::string at = camera.place.describe();
   const colmap::ModelKind& kind = colmap::kModelKinds[camera.kind];
-  check(camera.kind == colmap::kSimplePinhole || camera.kind == colmap::kPinhole, ErrorCode::unsupported,
-        "{}: camera {} is a {}; only SIMPLE_PINHOLE and PINHOLE are read: undistort the photographs first", at,
-        camera.id, kind.name);
+  const bool panorama = camera.kind == colmap::kEquirectangular;
+  check(camera.kind == colmap::kSimplePinhole || camera.kind == colmap::kPinhole || panorama, ErrorCode::unsupported,
+        "{}: camera {} is a {}; only SIMPLE_PINHOLE, PINHOLE and EQUIRECTANGULAR are read: undistort the photographs "
+        "first",
+        at, camera.id, kind.name);
   constexpr std::uint64_t kLargest = 1 << 16;
   check(camera.width >= 1 && camera.height >= 1 && camera.width <= kLargest && camera.height <= kLargest,
         ErrorCode::invalidInput, "{}: size {}x{} of camera {} is not within 1 to {}", at, camera.width, camera.height,
         camera.id, kLargest);
   const std::vector<double>& p = camera.parameters;
+  if (panorama) {
+    check(p.empty() || (p[0] == double(camera.width) && p[1] == double(camera.height)), ErrorCode::unsupported,
+          "{}: camera {} is a panorama of {}x{} px in a picture of {}x{}; only whole ones are read", at, camera.id,
+          p.empty() ? 0 : p[0], p.empty() ? 0 : p[1], camera.width, camera.height);
+    return {CameraModel::equirectangular, int(camera.width), int(camera.height), 0, 0, 0, 0};
+  }
   const bool simple = camera.kind == colmap::kSimplePinhole;
   const Intrinsics k{CameraModel::pinhole, int(camera.width),    int(camera.height),  p[0],
                      simple ? p[0] : p[1], simple ? p[1] : p[2], simple ? p[2] : p[3]};
@@ -66,10 +75,7 @@ Pose toPose(const ImageRecord& image) {
         "{}: quaternion ({}, {}, {}, {}) of image {} has length {}, not 1", image.place.describe(), q[0], q[1], q[2],
         q[3], image.id, length);
   const glm::dquat toCamera(q[0] / length, q[1] / length, q[2] / length, q[3] / length);
-  const glm::dquat toWorld = glm::conjugate(toCamera);
-  const glm::dvec3 translation(image.translation[0], image.translation[1], image.translation[2]);
-  const glm::dquat halfTurnAboutX(0.0, 1.0, 0.0, 0.0);  // y down, z forward → y up, −z forward
-  return {-(toWorld * translation), toWorld * halfTurnAboutX};
+  return poseFromWorldToCamera(toCamera, {image.translation[0], image.translation[1], image.translation[2]});
 }
 
 }  // namespace

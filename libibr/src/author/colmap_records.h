@@ -20,22 +20,25 @@ struct Place {
 };
 
 struct ModelKind {
+  std::int32_t number;  // in binary files
   const char* name;
   std::size_t parameters;
 };
-/// COLMAP's camera models by their number in binary files (src/base/camera_models.h of COLMAP 3.8).
-inline constexpr std::array<ModelKind, 11> kModelKinds{{{"SIMPLE_PINHOLE", 3},
-                                                        {"PINHOLE", 4},
-                                                        {"SIMPLE_RADIAL", 4},
-                                                        {"RADIAL", 5},
-                                                        {"OPENCV", 8},
-                                                        {"OPENCV_FISHEYE", 8},
-                                                        {"FULL_OPENCV", 12},
-                                                        {"FOV", 5},
-                                                        {"SIMPLE_RADIAL_FISHEYE", 4},
-                                                        {"RADIAL_FISHEYE", 5},
-                                                        {"THIN_PRISM_FISHEYE", 12}}};
-inline constexpr std::size_t kSimplePinhole = 0, kPinhole = 1;
+/// Camera models of COLMAP 3.8 (src/base/camera_models.h), and that of panoramas, which COLMAP 4.1 has: its parameters
+/// are width and height again. Text models of before leave them out.
+inline constexpr std::array<ModelKind, 12> kModelKinds{{{0, "SIMPLE_PINHOLE", 3},
+                                                        {1, "PINHOLE", 4},
+                                                        {2, "SIMPLE_RADIAL", 4},
+                                                        {3, "RADIAL", 5},
+                                                        {4, "OPENCV", 8},
+                                                        {5, "OPENCV_FISHEYE", 8},
+                                                        {6, "FULL_OPENCV", 12},
+                                                        {7, "FOV", 5},
+                                                        {8, "SIMPLE_RADIAL_FISHEYE", 4},
+                                                        {9, "RADIAL_FISHEYE", 5},
+                                                        {10, "THIN_PRISM_FISHEYE", 12},
+                                                        {17, "EQUIRECTANGULAR", 2}}};
+inline constexpr std::size_t kSimplePinhole = 0, kPinhole = 1, kEquirectangular = 11;
 
 inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation without a point
 inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered
@@ -45,7 +48,7 @@ struct CameraRecord {
   std::uint64_t id;
   std::size_t kind;  // index into kModelKinds
   std::uint64_t width, height;
-  std::vector<double> parameters;
+  std::vector<double> parameters;  // as many as its kind has; an EQUIRECTANGULAR may have none
 };
 struct ObservationRecord {
   double x, y;

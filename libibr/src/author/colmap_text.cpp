@@ -100,7 +100,8 @@ void readCameras(Records& records) {
     camera.width = std::uint64_t(line->integer("WIDTH", 0, kLargestId));
     camera.height = std::uint64_t(line->integer("HEIGHT", 0, kLargestId));
     while (!line->atEnd()) camera.parameters.push_back(line->real("PARAMS"));
-    check(camera.parameters.size() == kind->parameters, ErrorCode::invalidInput,
+    const bool bare = camera.kind == kEquirectangular && camera.parameters.empty();
+    check(camera.parameters.size() == kind->parameters || bare, ErrorCode::invalidInput,
           "{}: camera {} has {} PARAMS, but {} takes {}", camera.place.describe(), camera.id, camera.parameters.size(),
           kind->name, kind->parameters);
     records.cameras.push_back(std::move(camera));

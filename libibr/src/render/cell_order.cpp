@@ -35,20 +35,24 @@ CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, con
 
   CellDistance result;
   result.weights = sorted;
-  glm::dvec3 axis(0.0);
+  const glm::dvec3 forward = viewAxis(view);
+  glm::dvec3 axis(0.0);  // a panorama looks wherever the view does
+  bool anyPinhole = false;
   double magnitude = largestCoordinate(view.position);
   for (std::size_t i = 0; i < d; ++i) {
     result.weights.free[order[i]] = sorted.free[i];
     result.weights.clamped[order[i]] = sorted.clamped[i];
-    axis += sorted.clamped[i] * viewAxis(scene.nodes[cell.members[order[i]]].camera.pose);
+    const Camera& camera = scene.nodes[cell.members[order[i]]].camera;
+    const bool panorama = camera.intrinsics.model == CameraModel::equirectangular;
+    axis += sorted.clamped[i] * (panorama ? forward : viewAxis(camera.pose));
+    anyPinhole |= !panorama;
     magnitude = std::max(magnitude, largestCoordinate(corners[i]));
   }
   // Positions are rounded at the scale of the world, differences at the scale of the cell.
   const double tolerance = std::max(1e-9 * size, 8.0 * std::numeric_limits<double>::epsilon() * magnitude);
   result.extrapolation = sorted.distance <= tolerance ? 0.0 : sorted.distance;
   // atan2 keeps its digits at small angles, where acos has none.
-  const glm::dvec3 forward = viewAxis(view);
-  result.rotation = std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward));
+  if (anyPinhole) result.rotation = std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward));
   return result;
 }
 

@@ -10,7 +10,8 @@ namespace ibr {
 struct CellDistance {
   Barycentric weights;       // of the virtual camera, in the order of the cell's members
   double extrapolation = 0;  // world units; exactly 0 inside, within rounding
-  double rotation = 0;       // radians between the virtual axis and the cell's interpolated axis (yaw and pitch only)
+  double rotation = 0;       // radians between the virtual axis and the cell's interpolated axis (yaw and pitch only);
+                             // 0 for a cell of panoramas
 };
 
 /// `size` is the cell's longest edge. Cells over the same positions get bit-equal extrapolation distances whatever the

@@ -25,6 +25,7 @@ struct Constants {  // specialisation constants of the cell shaders, by id
   std::int32_t members;
   VkBool32 onePage;
   VkBool32 dissolve;
+  std::uint32_t panoramas;
 };
 
 }  // namespace
@@ -60,10 +61,11 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
       attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, members - 1) * 12};
     attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, members * 12};
     const VkVertexInputBindingDescription binding{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX};
-    constexpr std::array<VkSpecializationMapEntry, 3> kEntries{{{0, offsetof(Constants, members), 4},
+    constexpr std::array<VkSpecializationMapEntry, 4> kEntries{{{0, offsetof(Constants, members), 4},
                                                                 {1, offsetof(Constants, onePage), 4},
-                                                                {2, offsetof(Constants, dissolve), 4}}};
-    const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve};
+                                                                {2, offsetof(Constants, dissolve), 4},
+                                                                {3, offsetof(Constants, panoramas), 4}}};
+    const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve, variant.panoramas};
     GraphicsPipelineInfo info;
     info.vertex = shaders::cell_vert;
     info.fragment = shaders::cell_frag;
@@ -80,7 +82,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
     for (const bool depth : {false, true})
       for (const bool dissolve : {false, true})
-        if (const Variant variant{mesh.cameras.size(), mesh.onePage, depth, dissolve};
+        if (const Variant variant{mesh.cameras.size(), mesh.panoramas, mesh.onePage, depth, dissolve};
             (!dissolve || mayDissolve) && !pipelines_.contains(variant))
           pipelines_.emplace(variant, makePipeline(variant));
   };
@@ -94,7 +96,8 @@ std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noex
 
 VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noexcept {
   return pipelines_
-      .at({step.mesh->cameras.size(), step.mesh->onePage, plan.settings.order == DrawOrder::ours, step.opacity < 1.0f})
+      .at({step.mesh->cameras.size(), step.mesh->panoramas, step.mesh->onePage, plan.settings.order == DrawOrder::ours,
+           step.opacity < 1.0f})
       .get();
 }
 

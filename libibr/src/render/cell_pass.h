@@ -36,9 +36,10 @@ class CellPass {
  private:
   struct Variant {
     std::size_t members;
-    bool onePage;   // all members' photographs are layers of one image: dithering takes one sample
-    bool depth;     // our order
-    bool dissolve;  // opacity below 1
+    std::uint32_t panoramas;  // bit i: member i is one
+    bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
+    bool depth;               // our order
+    bool dissolve;            // opacity below 1
     auto operator<=>(const Variant&) const = default;
   };
   VkPipeline pipeline(const FramePlan& plan, const Step& step) const noexcept;

@@ -124,22 +124,28 @@ void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuSce
   }
 }
 
-SamplerHandle makeSampler(const Device& device) {
+bool isPanorama(const Node& node) {
+  return node.camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+SamplerHandle makeSampler(const Device& device, VkSamplerAddressMode addressModeU) {
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = info.minFilter = VK_FILTER_LINEAR;
   info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
-  info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  info.addressModeU = addressModeU;
+  info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   info.maxLod = VK_LOD_CLAMP_NONE;
   return make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler");
 }
 
 // Slots beyond the cell's members repeat its first photograph; they are never sampled.
-VkDescriptorSet makePhotographSet(const Device& device, const GpuScene::State& state, const Cell& cell,
-                                  const std::vector<Place>& places) {
+VkDescriptorSet makePhotographSet(const Device& device, const GpuScene::State& state, const Scene& scene,
+                                  const Cell& cell, const std::vector<Place>& places) {
   const VkDescriptorSet set = allocateSet(device, state.pool.get(), state.photographLayout.get());
   for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i) {
     const std::uint32_t node = cell.members[i < cell.members.size() ? i : 0];
-    writeSampledImage(device, set, i, state.sampler.get(), state.pages[places[node].page].view());
+    const SamplerHandle& sampler = isPanorama(scene.nodes[node]) ? state.panoramaSampler : state.sampler;
+    writeSampledImage(device, set, i, sampler.get(), state.pages[places[node].page].view());
   }
   return set;
 }
@@ -162,7 +168,9 @@ GpuScene::GpuScene(Device& device, const Scene& scene, const TextureSource& sour
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   state.photographLayout = makeSetLayout(device, bindings);
-  state.sampler = makeSampler(device);
+  state.sampler = makeSampler(device, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
+  if (std::ranges::any_of(scene.nodes, isPanorama))
+    state.panoramaSampler = makeSampler(device, VK_SAMPLER_ADDRESS_MODE_REPEAT);
 
   Uploader uploader(device);
   const std::vector<Place> places = makePages(device, scene, state.pages);
@@ -178,13 +186,15 @@ GpuScene::GpuScene(Device& device, const Scene& scene, const TextureSource& sour
     for (std::uint32_t member : cell.members) {
       Camera& camera = out.cameras.emplace_back(scene.nodes[member].camera);
       camera.pose.rotation = glm::normalize(camera.pose.rotation);
+      out.panoramas |= std::uint32_t(isPanorama(scene.nodes[member])) << out.layers.size();
       out.layers.push_back(places[member].layer);
     }
     out.onePage = std::all_of(cell.members.begin(), cell.members.end(), [&](std::uint32_t member) {
-      return places[member].page == places[cell.members[0]].page;
+      return places[member].page == places[cell.members[0]].page &&
+             isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[cell.members[0]]);
     });
     appendMesh(scene, cell, geometry, out);
-    out.photographs = makePhotographSet(device, state, cell, places);
+    out.photographs = makePhotographSet(device, state, scene, cell, places);
   };
   for (const Cell& cell : scene.cells) addMesh(cell, state.cells);
   for (const Cell& backdrop : scene.backdrops) addMesh(backdrop, state.backdrops);

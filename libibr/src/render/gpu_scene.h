@@ -21,7 +21,8 @@ struct GpuScene::State {
   struct Mesh {                         // of a cell or a backdrop
     std::vector<Camera> cameras;        // of the members
     std::vector<std::uint32_t> layers;  // of their photographs
-    bool onePage = false;               // all of them are layers of one image
+    std::uint32_t panoramas = 0;        // bit i: member i is one
+    bool onePage = false;               // all are layers of one image, and sampled alike
     VkDeviceSize vertexOffset = 0;      // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     Range tier[2];                      // agreeing (a backdrop's only one), rejected
     VkDescriptorSet photographs = VK_NULL_HANDLE;
@@ -29,7 +30,8 @@ struct GpuScene::State {
 
   std::vector<GpuImage> pages;
   Buffer vertices, indices;
-  SamplerHandle sampler;
+  SamplerHandle sampler;                       // of pinholes
+  SamplerHandle panoramaSampler;               // goes around; only where the scene has one
   DescriptorSetLayoutHandle photographLayout;  // kSetCell of shared/cell.h
   DescriptorPoolHandle pool;
   std::vector<Mesh> cells, backdrops;  // as those of the scene

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -92,7 +93,7 @@ std::optional<glm::dvec2> pixelInside(const Camera& camera, glm::dvec3 direction
   return pixel;
 }
 
-// The point that the first member sees at `pixel` and all others see too.
+// A point of a plane that all members see.
 struct Common {
   std::size_t plane;
   std::vector<glm::dvec2> match;
@@ -100,23 +101,34 @@ struct Common {
 };
 
 std::optional<Common> commonPoint(const SyntheticScene& scene, const std::vector<std::uint32_t>& members,
-                                  glm::dvec2 pixel) {
-  const Camera& first = scene.scene.nodes[members[0]].camera;
-  const glm::dvec3 from = rayOrigin(scene, first), ray = worldRay(first, pixel);
-  const auto hit = firstHit(scene.planes, from, ray);
-  if (!hit) return std::nullopt;
-  const TexturedPlane& plane = scene.planes[hit->plane];
-  Common common{hit->plane, {pixel}, {hit->distance}};
-  for (std::size_t i = 1; i < members.size(); ++i) {
-    const Camera& camera = scene.scene.nodes[members[i]].camera;
+                                  std::size_t index, glm::dvec2 at) {
+  const TexturedPlane& plane = scene.planes[index];
+  Common common{index, {}, {}};
+  for (const std::uint32_t member : members) {
+    const Camera& camera = scene.scene.nodes[member].camera;
     const glm::dvec3 origin = rayOrigin(scene, camera);
-    const glm::dvec3 direction = (plane.origin - origin) + plane.u * hit->at.x + plane.v * hit->at.y;
+    const glm::dvec3 direction = (plane.origin - origin) + plane.u * at.x + plane.v * at.y;
     const auto match = pixelInside(camera, direction);
     if (!match) return std::nullopt;
     const auto seen = firstHit(scene.planes, origin, direction);
-    if (!seen || seen->plane != hit->plane) return std::nullopt;
+    constexpr double kRounding = 1e-9;  // where planes meet, either may come first
+    if (seen && seen->distance < 1.0 - kRounding) return std::nullopt;
     common.match.push_back(*match);
     common.distance.push_back(glm::length(direction));
+  }
+  return common;
+}
+
+// The point that the first member sees at `pixel` and all others see too.
+std::optional<Common> commonPoint(const SyntheticScene& scene, const std::vector<std::uint32_t>& members,
+                                  glm::dvec2 pixel) {
+  const Camera& first = scene.scene.nodes[members[0]].camera;
+  const auto hit = firstHit(scene.planes, rayOrigin(scene, first), worldRay(first, pixel));
+  if (!hit) return std::nullopt;
+  auto common = commonPoint(scene, members, hit->plane, hit->at);
+  if (common) {
+    common->match[0] = pixel;
+    common->distance[0] = hit->distance;
   }
   return common;
 }
@@ -132,7 +144,7 @@ void addVertex(MorphMesh& mesh, const Common& common, bool atInfinity) {
   mesh.uncertainty.push_back(0.0f);
 }
 
-MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>& members, int step) {
+MorphMesh makePictureMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>& members, int step) {
   const Intrinsics& k = scene.scene.nodes[members[0]].camera.intrinsics;
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   Image<std::size_t> plane(k.width + 1, k.height + 1, 1, kNone);
@@ -165,6 +177,54 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
       const std::uint32_t a = vertexAt(x0, y0), b = vertexAt(x1, y0), c = vertexAt(x0, y1), d = vertexAt(x1, y1);
       mesh.triangles.insert(mesh.triangles.end(), {{a, c, b}, {b, c, d}});
     }
+  return mesh;
+}
+
+MorphMesh makeSurfaceMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>& members, double step) {
+  MorphMesh mesh;
+  mesh.match.resize(members.size());
+  mesh.ratio.resize(members.size());
+  // Where planes meet they share vertices, whatever the rounding.
+  std::map<std::array<std::int64_t, 3>, std::uint32_t> vertexAt;
+  for (std::size_t index = 0; index < scene.planes.size(); ++index) {
+    const TexturedPlane& plane = scene.planes[index];
+    const double columns = std::max(1.0, std::ceil(plane.extentU / step * (1 - 1e-9)));
+    const double rows = std::max(1.0, std::ceil(plane.extentV / step * (1 - 1e-9)));
+    check(columns * rows <= 1e7, ErrorCode::invalidInput, "synthetic scene: surface step {} makes {} quads of a plane",
+          step, columns * rows);
+    auto placeOf = [&](double i, double j) {
+      return glm::dvec2(plane.extentU * (i / columns - 0.5), plane.extentV * (j / rows - 0.5));
+    };
+    auto vertex = [&](double i, double j) {
+      const glm::dvec2 at = placeOf(i, j);
+      const glm::dvec3 position = (plane.origin - scene.planes[0].origin) + plane.u * at.x + plane.v * at.y;
+      std::array<std::int64_t, 3> key;
+      constexpr double kOffGrid = 0.1234;  // round numbers fall inside of a bin
+      for (std::size_t a = 0; a < 3; ++a) key[a] = std::llround(position[int(a)] / (1e-4 * step) + kOffGrid);
+      const auto [found, fresh] = vertexAt.emplace(key, std::uint32_t(mesh.pointCount()));
+      if (fresh) addVertex(mesh, *commonPoint(scene, members, index, at), scene.centreOfInfinity.has_value());
+      return found->second;
+    };
+    auto seen = [&](double i, double j) {
+      for (int y = 0; y <= 4; ++y)
+        for (int x = 0; x <= 4; ++x)
+          if (!commonPoint(scene, members, index, placeOf(i + 0.25 * x, j + 0.25 * y))) return false;
+      return true;
+    };
+    for (double j = 0; j < rows; ++j)
+      for (double i = 0; i < columns; ++i) {
+        if (!seen(i, j)) continue;
+        const std::uint32_t a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i, j + 1), d = vertex(i + 1, j + 1);
+        mesh.triangles.insert(mesh.triangles.end(), {{a, c, b}, {b, c, d}});
+      }
+  }
+  return mesh;
+}
+
+MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>& members,
+                   const SyntheticOptions& options) {
+  MorphMesh mesh = options.surfaceStep > 0 ? makeSurfaceMesh(scene, members, options.surfaceStep)
+                                           : makePictureMesh(scene, members, options.gridStep);
   mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
   mesh.ecc.assign(mesh.triangles.size(), 1.0f);
   return mesh;
@@ -179,6 +239,8 @@ glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at) {
 SyntheticScene makeScene(const SyntheticOptions& options) {
   check(options.gridStep >= 1 && options.samplesPerAxis >= 1, ErrorCode::invalidInput,
         "synthetic scene: grid step {} or {} samples per axis below 1", options.gridStep, options.samplesPerAxis);
+  check(options.surfaceStep >= 0 && std::isfinite(options.surfaceStep), ErrorCode::invalidInput,
+        "synthetic scene: surface step {} is negative or not finite", options.surfaceStep);
   SyntheticScene result;
   result.planes = options.planes;
   result.scene.acquisition = "synthetic";
@@ -203,12 +265,32 @@ SyntheticScene makeScene(const SyntheticOptions& options) {
             member, options.cameras.size());
     Cell cell;
     cell.members = members;
-    cell.mesh = makeMesh(result, members, options.gridStep);
+    cell.mesh = makeMesh(result, members, options);
     result.scene.cells.push_back(std::move(cell));
   }
   for (const Camera& camera : options.cameras)
     result.photographs.push_back(renderTruth(result, camera, options.samplesPerAxis));
   return result;
+}
+
+std::vector<TexturedPlane> roomPlanes(glm::dvec3 low, glm::dvec3 high, double wavelength, std::uint64_t seed) {
+  const glm::dvec3 centre = 0.5 * (low + high), size = high - low;
+  std::vector<TexturedPlane> planes;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const glm::dvec3& corner : {low, high}) {
+      TexturedPlane plane;
+      const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+      plane.origin = centre;
+      plane.origin[axis] = corner[axis];
+      plane.u = plane.v = glm::dvec3(0.0);
+      plane.u[a] = plane.v[b] = 1.0;
+      plane.extentU = size[a];
+      plane.extentV = size[b];
+      plane.seed = seed + planes.size();
+      plane.wavelength = wavelength;
+      planes.push_back(plane);
+    }
+  return planes;
 }
 
 Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int samplesPerAxis) {

@@ -28,6 +28,7 @@ struct SyntheticOptions {
   std::vector<TexturedPlane> planes;
   std::vector<std::vector<std::uint32_t>> cells;  // member lists; empty: one cell of all cameras
   int gridStep = 32;                              // px between vertices in the picture of a cell's first member
+  double surfaceStep = 0;  // > 0: vertices stand on a grid over the planes instead, at most this far apart, world units
   bool atInfinity = false;  // planes are a backdrop around the cameras' mean centre, seen the same way from anywhere
   int samplesPerAxis = 4;   // of the photographs
 };
@@ -40,9 +41,14 @@ struct SyntheticScene {
 };
 
 /// Vertices stand on a pixel grid of the first member, where the plane is the first thing that every member sees; no
-/// triangle crosses planes or covers something nearer (looked at pixel by pixel). ρ is the inverse of the mean
-/// distance. Throws Error{invalidInput} for a cell without 2 to 4 members, or a grid step below 1.
+/// triangle crosses planes or covers something nearer (looked at pixel by pixel). With surfaceStep they stand on the
+/// planes, and quads stay that all members see (looked at 5 × 5 points): around panoramas in a room the mesh closes. ρ
+/// is the inverse of the mean distance. Throws Error{invalidInput} for a cell without 2 to 4 members, a grid step below
+/// 1, or more than 10 million quads on a plane.
 SyntheticScene makeScene(const SyntheticOptions& options);
+
+/// The six walls of a box, seen from inside; seeds count from `seed`.
+std::vector<TexturedPlane> roomPlanes(glm::dvec3 low, glm::dvec3 high, double wavelength, std::uint64_t seed = 1);
 
 /// What a camera would photograph: RGB, the mean of samplesPerAxis² samples a pixel (of display-encoded values, as
 /// renderers here blend them), black where there is no plane.
