@@ -35,6 +35,6 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand;
+    kDeviceCommand, kBenchCommand, kSynthCommand;
 
 }  // namespace ibr::app

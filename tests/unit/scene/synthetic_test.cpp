@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/synthetic.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
+#include <numbers>
 
 #include "ibr/error.h"
 
@@ -139,6 +142,70 @@ TEST_CASE("panoramas and several cells") {
   CHECK(made.scene.cells[1].mesh.triangles.size() > 40);
 }
 
+TEST_CASE("around panoramas in a room the mesh closes, over seams and poles") {
+  const glm::dvec3 offset = GENERATE(glm::dvec3(0.0), glm::dvec3(5e5, 6e6, 100));
+  SyntheticOptions options;
+  for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0.1, 0}, {0.3, -0.2, 0.8}})
+    options.cameras.push_back(
+        {{CameraModel::equirectangular, 128, 64},
+         {offset + place, glm::angleAxis(2.0 * place.x + 0.1, glm::normalize(glm::dvec3(1, 2, 3)))}});
+  options.planes = roomPlanes(offset + glm::dvec3(-3, -1.5, -2.5), offset + glm::dvec3(4, 1.9, 3.5), 0.5);
+  options.surfaceStep = 0.7;
+  options.samplesPerAxis = 1;
+  const SyntheticScene made = makeScene(options);
+  for (const Fault& fault : validate(made.scene)) FAIL(fault.field << " " << fault.message);
+  const Cell& cell = made.scene.cells.at(0);
+  // Every edge belongs to two triangles, once in each direction or not; vertices − edges + triangles of a sphere is 2.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const glm::uvec3& t : cell.mesh.triangles)
+    for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
+  CHECK(std::all_of(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 2; }));
+  CHECK(std::ptrdiff_t(cell.mesh.pointCount()) - std::ptrdiff_t(edges.size()) +
+            std::ptrdiff_t(cell.mesh.triangles.size()) ==
+        2);
+  // Solid angles around each panorama: the whole sphere, each direction once.
+  for (const std::uint32_t member : cell.members) {
+    double sum = 0;
+    for (const glm::uvec3& t : cell.mesh.triangles) {
+      glm::dvec3 ray[3];
+      for (int k = 0; k < 3; ++k)
+        ray[k] =
+            glm::normalize(*vertexPosition(made.scene, cell, t[k]) - made.scene.nodes[member].camera.pose.position);
+      const double volume = glm::dot(ray[0], glm::cross(ray[1], ray[2]));
+      sum += 2 * std::atan2(std::abs(volume),
+                            1 + glm::dot(ray[0], ray[1]) + glm::dot(ray[1], ray[2]) + glm::dot(ray[2], ray[0]));
+    }
+    CHECK(sum == Approx(4 * std::numbers::pi).epsilon(1e-6));
+  }
+  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    const glm::dvec3 position = *vertexPosition(made.scene, cell, p);
+    double nearest = 1;
+    for (const TexturedPlane& plane : made.planes)
+      nearest = std::min(nearest, std::abs(glm::dot(position - plane.origin, glm::cross(plane.u, plane.v))));
+    REQUIRE(nearest < 2e-6);
+  }
+}
+
+TEST_CASE("a board in the room leaves out what it hides from any member") {
+  SyntheticOptions options;
+  for (const double x : {0.0, 1.0})
+    options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
+  options.planes = roomPlanes({-3, -2, -3}, {4, 2, 3}, 0.5);
+  options.surfaceStep = 0.25;
+  options.samplesPerAxis = 1;
+  const std::size_t whole = makeScene(options).scene.cells[0].mesh.triangles.size();
+  options.planes.push_back({{0.5, 0, -1.5}, {1, 0, 0}, {0, 1, 0}, 0.5, 0.5, 9, 0.5});
+  const SyntheticScene made = makeScene(options);
+  const std::size_t rest = made.scene.cells[0].mesh.triangles.size();
+  CHECK(rest < whole);
+  CHECK(rest > whole * 9 / 10);
+  // From between the members nothing of the board's middle is missing.
+  bool board = false;
+  for (std::size_t p = 0; p < made.scene.cells[0].mesh.pointCount(); ++p)
+    board |= glm::distance(*vertexPosition(made.scene, made.scene.cells[0], p), glm::dvec3(0.5, 0, -1.5)) < 1e-6;
+  CHECK(board);
+}
+
 TEST_CASE("texture values stay within range and depend on the seed") {
   TexturedPlane plane, other;
   other.seed = 2;
@@ -160,6 +227,11 @@ TEST_CASE("options that make no scene are refused") {
   SyntheticOptions options = twoPlanes();
   options.gridStep = 0;
   CHECK_THROWS_AS(makeScene(options), Error);
+  options = twoPlanes();
+  for (const double step : {-1.0, double(NAN), double(INFINITY), 1e-9}) {
+    options.surfaceStep = step;
+    CHECK_THROWS_AS(makeScene(options), Error);
+  }
   options = twoPlanes();
   options.cells = {{0}};
   CHECK_THROWS_AS(makeScene(options), Error);

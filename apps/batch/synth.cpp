@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Generated scenes with exact truth: what every other command can be tried and measured on.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/command.h"
+#include "batch/options.h"
+#include "batch/progress.h"
+#include "image/ktx2.h"
+#include "image/mips.h"
+#include "io/image_file.h"
+#include "scene/synthetic.h"
+#include "shared/camera_path.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+enum class Kind { planes, roomPano, roomMixed };
+
+struct Options {
+  Kind kind = Kind::planes;
+  std::string output;
+  int members = 3, views = 8;
+  PictureSize size;
+};
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  /// The same with every standard library.
+  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+glm::dquat turned(double yaw, double pitch) {
+  return glm::angleAxis(yaw, glm::dvec3(0, 1, 0)) * glm::angleAxis(pitch, glm::dvec3(1, 0, 0));
+}
+
+// Two to four photographs a metre apart. A fourth stands above, so that the cell is a tetrahedron.
+SyntheticOptions optionsOf(const Options& options, std::uint64_t seed) {
+  Random random(seed);
+  const bool panoramas = options.kind != Kind::planes;
+  PictureSize size = options.size;
+  if (size.width == 0) size = panoramas ? PictureSize{1024, 512} : PictureSize{640, 480};
+  SyntheticOptions made;
+  for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0, 0}, {0.5, 0, -0.87}, {0.5, 0.8, -0.3}}) {
+    Camera camera{{CameraModel::equirectangular, size.width, size.height}, {place, {1, 0, 0, 0}}};
+    if (!panoramas || (options.kind == Kind::roomMixed && made.cameras.empty())) {
+      const PictureSize pinhole = panoramas ? PictureSize{640, 480} : size;
+      camera.intrinsics = pinholeFromFov(pinhole.width, pinhole.height, 1.2);
+      camera.pose.rotation = turned(random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05));
+    } else {
+      camera.pose.rotation = turned(random.uniform(-kPi, kPi), random.uniform(-0.1, 0.1));
+    }
+    made.cameras.push_back(camera);
+  }
+  made.cameras.resize(std::size_t(options.members));
+  if (panoramas) {
+    made.planes = roomPlanes({-2.5, -1.6, -3.5}, {3.6, 1.9, 2.2}, 0.12, seed);
+    made.surfaceStep = 0.5;
+  } else {
+    made.planes = {{{0.5, 0, -8}, {1, 0, 0}, {0, 1, 0}, 40, 30, seed, 0.3},
+                   {{-0.6, 0.3, -4.5}, {1, 0, 0}, {0, 1, 0}, 1.6, 1.2, seed + 1, 0.2},
+                   {{1.7, -0.5, -5.5}, glm::normalize(glm::dvec3(1, 0, 0.4)), {0, 1, 0}, 1.5, 2.0, seed + 2, 0.2}};
+    made.gridStep = 16;
+  }
+  made.samplesPerAxis = 3;
+  return made;
+}
+
+// Places inside the cell, and every third one up to a quarter of an edge outside. Rooms are looked at in all
+// directions, first straight up, down and back.
+std::vector<View> truthViews(const Options& options, const std::vector<Camera>& cameras, std::uint64_t seed) {
+  Random random(seed + 1000);
+  std::vector<View> views;
+  for (int v = 0; v < options.views; ++v) {
+    std::vector<double> weights;
+    double sum = 0;
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      weights.push_back(-std::log(random.uniform(1e-9, 1)));  // normalised: even over the simplex
+      sum += weights.back();
+    }
+    glm::dvec3 place(0), middle(0);
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      place += weights[i] / sum * cameras[i].pose.position;
+      middle += cameras[i].pose.position / double(cameras.size());
+    }
+    if (v % 3 == 2) place += random.uniform(0.1, 0.25) * (place - middle) / std::max(0.1, glm::length(place - middle));
+    glm::dquat rotation = turned(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+    if (options.kind == Kind::roomPano) {
+      rotation = turned(random.uniform(-kPi, kPi), random.uniform(-0.6, 0.6));
+      if (v == 0) rotation = turned(0.3, kPi / 2);
+      if (v == 1) rotation = turned(-0.2, -kPi / 2);
+      if (v == 2) rotation = turned(kPi, 0);
+    }
+    const double fovY = options.kind == Kind::roomPano ? 1.2 : 0.8;
+    views.push_back({fmt::format("truth{:02}.png", v), {pinholeFromFov(640, 400, fovY), {place, rotation}}, 0});
+  }
+  return views;
+}
+
+void writeColmapText(const fs::path& folder, const std::vector<View>& views) {
+  std::string cameras = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS\n",
+              images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n";
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto& [k, pose] = views[i].camera;
+    cameras += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+    // World to camera, x right, y down, z forward: half a turn about x from ours.
+    const glm::dquat q = glm::dquat(0, 1, 0, 0) * glm::conjugate(pose.rotation);
+    const glm::dvec3 t = -(q * pose.position);
+    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1,
+                          views[i].name);
+  }
+  fs::create_directories(folder);
+  writeFile(folder / "cameras.txt", cameras);
+  writeFile(folder / "images.txt", images);
+  writeFile(folder / "points3D.txt", std::string_view("# none\n"));
+}
+
+ExitCode synthesise(const Options& options, const Context& context) {
+  const fs::path folder = options.output, truth = folder / "truth";
+  const std::uint64_t seed = context.options().seed;
+  const SyntheticOptions wanted = optionsOf(options, seed);
+  const std::vector<View> views = truthViews(options, wanted.cameras, seed);
+  std::size_t triangles = 0;
+  {
+    ProgressLine progress(context);
+    const std::size_t steps = wanted.cameras.size() + views.size() + 1;
+    std::size_t done = 0;
+    const auto step = [&] {
+      check(progress.show({"making the scene", done++, steps}), ErrorCode::cancelled, "stopped");
+    };
+    step();
+    const SyntheticScene made = makeScene(wanted);
+    for (std::size_t n = 0; n < made.scene.nodes.size(); ++n) {
+      step();
+      const Node& node = made.scene.nodes[n];
+      for (const fs::path& file : {node.imageFile, node.textureFile})
+        fs::create_directories((folder / file).parent_path());
+      writeImage(folder / node.imageFile, made.photographs[n]);
+      writeKtx2(folder / node.textureFile, buildMips(made.photographs[n]));
+    }
+    fs::create_directories(truth / "images");
+    for (const View& view : views) {
+      step();
+      writeImage(truth / "images" / view.name, renderTruth(made, view.camera, wanted.samplesPerAxis));
+    }
+    writeColmapText(truth / "sparse", views);
+    saveScene(made.scene, folder);
+    for (const Cell& cell : made.scene.cells) triangles += cell.mesh.triangles.size();
+    progress.show({"making the scene", steps, steps});
+  }
+  context.print("{}: {} photographs, 1 cell of {} triangles; {} views in {}\n", options.output, wanted.cameras.size(),
+                triangles, views.size(), truth.string());
+  context.report(nlohmann::ordered_json{
+      {"scene", options.output},
+      {"truth", truth.string()},
+      {"photographs", wanted.cameras.size()},
+      {"cells", 1},
+      {"triangles", triangles},
+      {"views",
+       views.size()}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kSynthCommand{
+    .name = "synth",
+    .summary = "Generates a scene whose truth is known",
+    .examples =
+        "ibr synth planes -o scene\n"
+        "ibr synth room-pano -o room --size 2048x1024\n"
+        "ibr eval room --truth room/truth -o compared",
+    .details =
+        "KIND: planes, a wall and two boards before it; room-pano, a room around panoramas; room-mixed, the same with "
+        "one pinhole. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and every third "
+        "one a little outside. The same seed makes the same scene.",
+    .afterInterrupt = "Some files may be there already; run the same command again.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      addChoice<Kind>(app, "KIND", options->kind,
+                      {{"planes", Kind::planes}, {"room-pano", Kind::roomPano}, {"room-mixed", Kind::roomMixed}},
+                      "What to generate")
+          ->required();
+      app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
+          ->required()
+          ->type_name("SCENE");
+      addInt(app, "--members", options->members, 2, 4, "Photographs, all of one cell");
+      addInt(app, "--views", options->views, 0, 10000, "Views of the truth");
+      addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512]");
+      return [options](const Context& context) { return synthesise(*options, context); };
+    }};
+
+}  // namespace ibr::app

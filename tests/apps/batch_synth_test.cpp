@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "io/image_file.h"
+#include "run_program.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Contains;
+using test::runProgram;
+
+namespace {
+
+std::map<std::string, std::string> contentsBelow(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) contents[fs::relative(entry.path(), folder).string()] = readTextFile(entry.path());
+  return contents;
+}
+
+}  // namespace
+
+TEST_CASE("synth makes scenes that every command reads, and truth that eval compares with") {
+  for (const std::string kind : {"planes", "room-pano", "room-mixed"}) {
+    test::TemporaryFolder folder;
+    const std::string scene = folder / "scene";
+    const auto made = runProgram({"synth", kind, "-o", scene, "--size", kind == "planes" ? "320x240" : "512x256",
+                                  "--members", "3", "--views", "3", "--json", "-"});
+    INFO(kind << ": " << made.err);
+    REQUIRE(made.code == 0);
+    const auto report = nlohmann::json::parse(made.out);
+    CHECK(report.at("photographs") == 3);
+    CHECK(report.at("views") == 3);
+    CHECK(report.at("triangles") > 100);
+    CHECK(runProgram({"validate", scene}).code == 0);
+    CHECK_THAT(runProgram({"info", scene}).out, Contains("view0"));
+    if (!test::deviceIsThere()) continue;
+    const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--json", "-"});
+    INFO(eval.err);
+    REQUIRE(eval.code == 0);
+    const auto mean = nlohmann::json::parse(eval.out).at("mean");
+    CHECK(mean.at("psnrCovered") > 28);
+    CHECK(mean.at("coverage") > (kind == "planes" ? 0.8 : kind == "room-mixed" ? 0.5 : 0.9999));
+  }
+}
+
+TEST_CASE("the same seed makes the same files, another one others") {
+  test::TemporaryFolder folder;
+  const auto synth = [&](const std::string& name, const std::string& seed) {
+    REQUIRE(runProgram({"synth", "room-pano", "-o", folder / name, "--size", "64x32", "--members", "2", "--views", "1",
+                        "--seed", seed, "-q"})
+                .code == 0);
+    return contentsBelow(folder / name);
+  };
+  const auto first = synth("a", "5"), second = synth("b", "5"), other = synth("c", "6");
+  CHECK(first == second);
+  CHECK(first.at("images/view0.png") != other.at("images/view0.png"));
+  CHECK(first.at("truth/sparse/images.txt") != other.at("truth/sparse/images.txt"));
+}
+
+TEST_CASE("synth refuses what it does not know") {
+  CHECK(runProgram({"synth"}).code == 1);
+  CHECK(runProgram({"synth", "planes"}).code == 1);
+  const auto unknown = runProgram({"synth", "castle", "-o", "x"});
+  CHECK(unknown.code == 1);
+  CHECK_THAT(unknown.err, Contains("castle") && Contains("room-pano"));
+  CHECK(runProgram({"synth", "planes", "-o", "x", "--members", "5"}).code == 1);
+  CHECK(runProgram({"synth", "planes", "-o", "/proc/none/scene", "--size", "32x24", "--views", "0"}).code == 2);
+}
+
+TEST_CASE("build reads panoramas.json and says that it cannot build from it yet") {
+  test::TemporaryFolder folder;
+  fs::create_directories(folder / "images");
+  writeImage(folder / "images/a.png", Image8(64, 32, 3, 90));
+  writeFile(folder / "panoramas.json", std::string_view(R"({"width": 64, "height": 32, "panoramas": [
+    {"name": "images/a.png", "position": [0, 0, 0], "R_world_to_camera": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]})"));
+  const std::string json = folder / "panoramas.json";
+  const auto build = runProgram({"build", folder.path(), "--panoramas", json, "-o", folder / "scene"});
+  CHECK(build.code == 5);
+  CHECK_THAT(build.err, Contains("images/a.png") && Contains("panorama"));
+  CHECK(runProgram({"build", folder.path(), "--panoramas", json, "--model", folder.path(), "-o", folder / "s"}).code ==
+        1);
+  writeFile(folder / "panoramas.json", std::string_view("{}"));
+  CHECK(runProgram({"build", folder.path(), "--panoramas", json, "-o", folder / "scene"}).code == 3);
+  CHECK(runProgram({"build", folder.path(), "--panoramas", folder / "none.json", "-o", folder / "scene"}).code == 2);
+}
