@@ -72,19 +72,11 @@ Sampling sampling(int member) {
   return s;
 }
 
-// What `member` shows, by the sampler in `slot`.
-vec3 colourOf(int slot, int member, Sampling s) {
-  const float layer = float(cells[inCell].member[member].layer);
-  vec3 sum = photograph(slot, vec3(s.at, layer), s.dx, s.dy);
-  if (!isPanorama(slot)) return sum;
-  float total = 1.0;
-  for (int k = 1; float(k) < s.reach + 1.0; ++k) {
-    const float weight = min(s.reach + 1.0 - float(k), 1.0), aside = float(k) * s.spacing;
-    sum += weight * (photograph(slot, vec3(s.at.x - aside, s.at.y, layer), s.dx, s.dy) +
-                     photograph(slot, vec3(s.at.x + aside, s.at.y, layer), s.dx, s.dy));
-    total += 2.0 * weight;
-  }
-  return sum / total;
+// Share of tap k, −reach to reach, in what `member` shows, by the sampler in `slot`. All of a pinhole is tap 0.
+vec3 tap(int slot, int member, Sampling s, float k) {
+  const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
+  const vec3 coordinate = vec3(s.at.x + k * s.spacing, s.at.y, float(cells[inCell].member[member].layer));
+  return share * photograph(slot, coordinate, s.dx, s.dy);
 }
 
 float noise(uvec2 offset) {
@@ -95,25 +87,32 @@ float noise(uvec2 offset) {
 void main() {
   Sampling samplings[kMaxMembers];
   vec4 weights = vec4(0.0);
+  float reach = 0.0;
   for (int i = 0; i < kMembers; ++i) {
     samplings[i] = sampling(i);
     weights[i] = cells[inCell].member[i].blend;
+    reach = max(reach, samplings[i].reach);
   }
   if (kDissolve && noise(kDissolveOffset) >= cells[inCell].opacity) discard;
   const uint blending = cells[inCell].blending;
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
-  if (blending != kDither)
-    for (int i = 0; i < kMembers; ++i)
-      if (weights[i] > 0.0) blended += weights[i] * colourOf(i, i, samplings[i]);
-  if (blending != kBlend) {
-    const int chosen = ditherMember(weights, noise(uvec2(0)));
-    if (kOnePage) {
-      dithered = colourOf(0, chosen, samplings[chosen]);
-    } else {
+  const int chosen = blending != kBlend ? ditherMember(weights, noise(uvec2(0))) : 0;
+  // One loop for all members, each of which is dear; without a panorama there is none.
+  const float last = ceil(reach);
+  float k = -last;
+  do {
+    if (blending != kDither)
       for (int i = 0; i < kMembers; ++i)
-        if (i == chosen) dithered = colourOf(i, i, samplings[i]);
+        if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k);
+    if (blending != kBlend) {
+      if (kOnePage) {
+        dithered += tap(0, chosen, samplings[chosen], k);
+      } else {
+        for (int i = 0; i < kMembers; ++i)
+          if (i == chosen) dithered += tap(i, i, samplings[i], k);
+      }
     }
-  }
+  } while (++k <= last);
   const vec3 colour = blending == kBlend ? blended : (blending == kDither ? dithered : 0.5 * (blended + dithered));
   outColour = vec4(colour, cells[inCell].alpha);
 }
