@@ -8,8 +8,9 @@
 namespace ibr::app {
 
 void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
-  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierBackdrop,
-         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop");
+  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
+         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
+         "fills what is still empty from around");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
                    "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
   addChoice<BlendMode>(app, "--blend", settings.blend,

@@ -44,7 +44,7 @@ TEST_CASE("synth makes scenes that every command reads, and truth that eval comp
     REQUIRE(eval.code == 0);
     const auto mean = nlohmann::json::parse(eval.out).at("mean");
     CHECK(mean.at("psnrCovered") > 28);
-    CHECK(mean.at("coverage") > (kind == "planes" ? 0.8 : kind == "room-mixed" ? 0.5 : 0.9999));
+    CHECK(mean.at("coverage") > (kind == "planes" ? 0.6 : kind == "room-mixed" ? 0.5 : 0.9999));
   }
 }
 

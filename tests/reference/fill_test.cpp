@@ -119,7 +119,9 @@ TEST_CASE("a frame costs what it declares") {
   GpuScene gpuScene(testDevice(), stage.scene(), [&](const Scene&, std::size_t n) { return stage.textures()[n]; });
   const Renderer whole(testDevice(), gpuScene, {{320, 240}});
   const Renderer bare(testDevice(), gpuScene, {.largest = {320, 240}, .switchMixing = false, .fill = false});
-  const FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}));
+  RenderSettings filling;
+  filling.lowestTier = kTierFilled;
+  const FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}), filling);
   const std::uint64_t triangles = stage.scene().cells[0].mesh.triangles.size();
   // Cells of three members on one or several pages: with and without depth, each with and without dissolving; four
   // formats of targets; three of the fill pass.

@@ -67,7 +67,7 @@ struct RenderSettings {
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long
-  int lowestTier = kTierFilled;     // tiers beyond this are not drawn
+  int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
   glm::vec3 background{0.0f};       // display-encoded, shown where nothing is drawn
 };
 
