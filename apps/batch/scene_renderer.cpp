@@ -20,12 +20,13 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const Context& context)
+SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour,
+                             const Context& context)
     : scene_(scene),
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene),
-      renderer_(device_, gpuScene_, {largestOf(views)}) {}
+      renderer_(device_, gpuScene_, {.largest = largestOf(views), .colour = colour}) {}
 
 Offscreen& SceneRenderer::offscreen(int width, int height) {
   const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};
@@ -38,7 +39,7 @@ Offscreen& SceneRenderer::offscreen(int width, int height) {
 }
 
 SceneRenderer::Picture SceneRenderer::render(const Camera& view, const RenderSettings& settings, PlanState& state,
-                                            double dtSeconds) {
+                                             double dtSeconds) {
   Offscreen& output = offscreen(view.intrinsics.width, view.intrinsics.height);
   const auto begin = std::chrono::steady_clock::now();
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings, dtSeconds}, state);

@@ -15,13 +15,14 @@ namespace ibr::app {
 class SceneRenderer {
  public:
   /// `views` are those that will be asked for: the largest sets the size of the canvas. The scene must outlive it.
-  SceneRenderer(const Scene& scene, const std::vector<View>& views, const Context& context);
+  SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour, const Context& context);
 
   struct Picture {
     Image8 image;             // RGBA
     double milliseconds = 0;  // from planning until the picture is on the host
   };
-  /// `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a picture by itself.
+  /// `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a picture by
+  /// itself.
   Picture render(const Camera& view, const RenderSettings& settings, PlanState& state, double dtSeconds = 0);
 
   std::string deviceName() const { return device_.name(); }

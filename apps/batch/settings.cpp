@@ -18,6 +18,14 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
                        "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
   addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
             "Draw no cell that is further away than X times its size");
+  addChoice<ColourTable>(
+      app, "--colour-table", settings.colourTable,
+      {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
+      "How colour tables go on beyond the colours that cells share [preserving]");
+  addDouble(app, "--colour-samples", settings.colourSamples, 0, 1,
+            "Share of the pixels of an overlap that colour tables are made from");
+  addInt(app, "--colour-proxy", settings.colourProxy, 1, 64,
+         "Colour tables of ours are made from a picture of all cells whose sides are N times shorter");
 }
 
 void declareSettings(CLI::App& app, RenderSettings& settings) {
@@ -31,6 +39,34 @@ void declareSettings(CLI::App& app, RenderSettings& settings) {
       ->type_name("N");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
+  addChoice<ColourMapping>(
+      app, "--colour", settings.colourMapping,
+      [] {
+        std::vector<std::pair<std::string, ColourMapping>> choices;
+        for (const auto& [word, mapping] : kColourMappings) choices.emplace_back(word, mapping);
+        return choices;
+      }(),
+      "Colours of all cells adapt to the main cell's: tables from a proxy, or the paper's sequence, whose tables are\n"
+      "applied to all pixels or by drawing again [off]");
+}
+
+ColourSupport colourSupport(const RenderSettings& settings) {
+  switch (settings.colourMapping) {
+    case ColourMapping::off:
+      return ColourSupport::off;
+    case ColourMapping::ours:
+      return ColourSupport::ours;
+    case ColourMapping::paper:
+    case ColourMapping::paperRedraw:
+      break;
+  }
+  return ColourSupport::all;
+}
+
+const char* wordOf(ColourMapping mapping) {
+  for (const auto& [word, meaning] : kColourMappings)
+    if (meaning == mapping) return word;
+  return "";
 }
 
 nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
@@ -41,7 +77,13 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
           {"blend", settings.blend == BlendMode::blend    ? "blend"
                     : settings.blend == BlendMode::dither ? "dither"
                                                           : "mixed"},
-          {"extrapolation", settings.extrapolationLimit}};
+          {"extrapolation", settings.extrapolationLimit},
+          {"colour", wordOf(settings.colourMapping)},
+          {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"
+                          : settings.colourTable == ColourTable::strict ? "strict"
+                                                                        : "preserving"},
+          {"colourSamples", settings.colourSamples},
+          {"colourProxy", settings.colourProxy}};
 }
 
 }  // namespace ibr::app

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "ibr/renderer.h"
 
@@ -12,8 +14,17 @@ namespace ibr::app {
 /// All of them.
 void declareSettings(CLI::App& app, RenderSettings& settings);
 
-/// Without --cells and --order, for a command that tries several of each.
+/// Without --cells, --order and --colour, for a command that tries several of each.
 void declarePictureSettings(CLI::App& app, RenderSettings& settings);
+
+/// Words of --colour, also of reports.
+inline constexpr std::array kColourMappings{
+    std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
+    std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
+const char* wordOf(ColourMapping mapping);
+
+/// What a renderer must be prepared for.
+ColourSupport colourSupport(const RenderSettings& settings);
 
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings);

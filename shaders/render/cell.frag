@@ -1,118 +1,22 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Colours of a cell's members at a fragment, blended ([T] eq. 6), dithered (eq. 7), or the mean of both.
-//
-// Texture coordinates come from interpolated values alone: a buffer read gives 0 in the helper pixels of some devices
-// (lavapipe), and gradients would be wrong along every edge.
+// A cell's colour in the canvas, through its colour table where colours are mapped.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "shared/cell.h"
-#include "shared/panorama.h"
+#include "render/cell_colour.glsl"
+#include "shared/colour_map.h"
 
-layout(constant_id = 0) const int kMembers = 4;
-layout(constant_id = 1) const bool kOnePage = false;   // all members' photographs are layers of one image, sampled alike
-layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: pixels are left to what lies behind
+layout(constant_id = 7) const bool kMapped = false;
 
-// Bit i: member i is a panorama. A constant of the pipeline rather than of the cell's data: a scene of pinholes pays
-// nothing, in a mixed cell no fragment branches, and it holds in helper pixels. A scene has few such combinations.
-layout(constant_id = 3) const int kPanoramas = 0;
-
-layout(location = 0) in vec3 inTexture[kMaxMembers];
-layout(location = 4) flat in uint inCell;
-
-layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
-layout(set = kSetFrame, binding = kBindingNoise, scalar) readonly buffer Noise { uint noiseRank[]; };
-layout(set = kSetCell, binding = 0) uniform sampler2DArray photograph0;
-layout(set = kSetCell, binding = 1) uniform sampler2DArray photograph1;
-layout(set = kSetCell, binding = 2) uniform sampler2DArray photograph2;
-layout(set = kSetCell, binding = 3) uniform sampler2DArray photograph3;
+layout(set = kSetFrame, binding = kBindingFrameTables, scalar) readonly buffer Tables { uint tables[]; };
 
 layout(location = 0) out vec4 outColour;
 
-// Gradients come from outside: implicit ones would measure the parallax between members wherever the choice of a member
-// changes from one pixel to the next. Samplers are not indexed, since not every device can.
-vec3 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
-  if (slot == 0) return textureGrad(photograph0, coordinate, dx, dy).rgb;
-  if (slot == 1) return textureGrad(photograph1, coordinate, dx, dy).rgb;
-  if (slot == 2) return textureGrad(photograph2, coordinate, dx, dy).rgb;
-  return textureGrad(photograph3, coordinate, dx, dy).rgb;
-}
-
-bool isPanorama(int member) { return (kPanoramas >> member & 1) != 0; }
-
-vec2 photographSize(int member) {
-  if (member == 0) return vec2(textureSize(photograph0, 0).xy);
-  if (member == 1) return vec2(textureSize(photograph1, 0).xy);
-  if (member == 2) return vec2(textureSize(photograph2, 0).xy);
-  return vec2(textureSize(photograph3, 0).xy);
-}
-
-struct Sampling {
-  vec2 at, dx, dy;
-  float spacing, reach;  // of a panorama's taps: PanoramaFootprint
-};
-
-Sampling sampling(int member) {
-  Sampling s;
-  if (isPanorama(member)) {
-    const vec3 ray = normalize(inTexture[member]);
-    const vec2 size = photographSize(member);
-    const PanoramaFootprint footprint = panoramaFootprint(ray, dFdx(ray), dFdy(ray), size);
-    s.at = panoramaCoordinate(ray);
-    s.dx = vec2(footprint.texels / size.x, 0.0);
-    s.dy = vec2(0.0, footprint.texels / size.y);
-    s.spacing = footprint.spacing;
-    s.reach = footprint.reach;
-  } else {
-    s.at = inTexture[member].xy / inTexture[member].z;
-    s.dx = dFdx(s.at);
-    s.dy = dFdy(s.at);
-    s.spacing = s.reach = 0.0;
-  }
-  return s;
-}
-
-// Share of tap k, −reach to reach, in what `member` shows, by the sampler in `slot`. All of a pinhole is tap 0.
-vec3 tap(int slot, int member, Sampling s, float k) {
-  const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
-  const vec3 coordinate = vec3(s.at.x + k * s.spacing, s.at.y, float(cells[inCell].member[member].layer));
-  return share * photograph(slot, coordinate, s.dx, s.dy);
-}
-
-float noise(uvec2 offset) {
-  const uvec2 pixel = (uvec2(gl_FragCoord.xy) + offset) % uint(kNoiseSize);
-  return noiseFromRank(noiseRank[pixel.y * uint(kNoiseSize) + pixel.x]);
-}
-
 void main() {
-  Sampling samplings[kMaxMembers];
-  vec4 weights = vec4(0.0);
-  float reach = 0.0;
-  for (int i = 0; i < kMembers; ++i) {
-    samplings[i] = sampling(i);
-    weights[i] = cells[inCell].member[i].blend;
-    reach = max(reach, samplings[i].reach);
+  vec3 colour = cellColour(uvec2(gl_FragCoord.xy), 1.0);
+  if (kMapped) {
+    const uvec3 entry = uint(kLevels) * cells[inCell].table + levelsOf(colour);
+    colour = mappedColour(tables[entry.r], tables[entry.g], tables[entry.b]);
   }
-  if (kDissolve && noise(kDissolveOffset) >= cells[inCell].opacity) discard;
-  const uint blending = cells[inCell].blending;
-  vec3 blended = vec3(0.0), dithered = vec3(0.0);
-  const int chosen = blending != kBlend ? ditherMember(weights, noise(uvec2(0))) : 0;
-  // One loop for all members, each of which is dear; without a panorama there is none.
-  const float last = ceil(reach);
-  float k = -last;
-  do {
-    if (blending != kDither)
-      for (int i = 0; i < kMembers; ++i)
-        if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k);
-    if (blending != kBlend) {
-      if (kOnePage) {
-        dithered += tap(0, chosen, samplings[chosen], k);
-      } else {
-        for (int i = 0; i < kMembers; ++i)
-          if (i == chosen) dithered += tap(i, i, samplings[i], k);
-      }
-    }
-  } while (++k <= last);
-  const vec3 colour = blending == kBlend ? blended : (blending == kDither ? dithered : 0.5 * (blended + dithered));
   outColour = vec4(colour, cells[inCell].alpha);
 }

@@ -12,6 +12,7 @@ IBR_CONSTANT int kSetFrame = 0;  // descriptor sets
 IBR_CONSTANT int kSetCell = 1;
 IBR_CONSTANT int kBindingParameters = 0;  // of kSetFrame: CellParameters[]
 IBR_CONSTANT int kBindingNoise = 1;       // of kSetFrame: uint[kNoiseSize²], each rank once
+IBR_CONSTANT int kBindingFrameTables = 2;  // of kSetFrame: colour tables, read where colours are mapped
 IBR_CONSTANT int kNoiseSize = 64;
 IBR_CONSTANT uint kBlend = 0u;  // how colours become one: [T] eq. 6
 IBR_CONSTANT uint kDither = 1u;  // eq. 7
@@ -39,6 +40,7 @@ struct CellParameters {
   uint unitRays;     // 1: the paper's morph, a_i = 1 and ρ = 0
   uint blending;  // kBlend, kDither, kMixed
   float alpha;    // tier code, (255 − 64·tier) / 255
+  uint table;     // colour table
   float opacity;  // share of pixels that are drawn, chosen by blue noise
 };
 

@@ -14,6 +14,7 @@
 #include <glm/vec4.hpp>
 namespace ibr::shader {
 using glm::mat3;
+using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;

@@ -66,6 +66,9 @@ TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
   const std::vector<std::vector<std::string>> settings{{},
                                                        {"--blend", "dither"},
                                                        {"--morph", "paper", "--order", "paper", "--tiers", "0"},
+                                                       {"--colour", "ours"},
+                                                       {"--colour", "paper", "--colour-table", "strict"},
+                                                       {"--colour", "paper-redraw", "--colour-samples", "0.25"},
                                                        {"--cells", "1", "--extrapolation", "0.5"}};
   for (const auto& more : settings) {
     fs::remove_all(folder / "out");

@@ -7,7 +7,9 @@
 #include <string>
 
 #include "shaders/cell_vert.h"
+#include "shaders/colour_tables_comp.h"
 #include "shared/cell.h"
+#include "shared/colour_map.h"
 
 namespace {
 
@@ -48,6 +50,32 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                      {"unitRays", offsetof(CellParameters, unitRays)},
                                                      {"blending", offsetof(CellParameters, blending)},
                                                      {"alpha", offsetof(CellParameters, alpha)},
+                                                     {"table", offsetof(CellParameters, table)},
                                                      {"opacity", offsetof(CellParameters, opacity)}});
-  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 48);
+  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 52);
+}
+
+TEST_CASE("what the colour passes share lies in memory as their shaders read it") {
+  using ibr::shader::ColourFrame;
+  using ibr::shader::ColourSlot;
+  const auto frame = offsetsOf(ibr::shaders::colour_tables_comp, "ColourFrame");
+  CHECK(frame == std::map<std::string, std::uint32_t>{{"count", offsetof(ColourFrame, count)},
+                                                      {"joint", offsetof(ColourFrame, joint)},
+                                                      {"method", offsetof(ColourFrame, method)},
+                                                      {"least", offsetof(ColourFrame, least)},
+                                                      {"kept", offsetof(ColourFrame, kept)},
+                                                      {"measured", offsetof(ColourFrame, measured)},
+                                                      {"mainShare", offsetof(ColourFrame, mainShare)},
+                                                      {"share", offsetof(ColourFrame, share)},
+                                                      {"largestStep", offsetof(ColourFrame, largestStep)},
+                                                      {"tileColumns", offsetof(ColourFrame, tileColumns)},
+                                                      {"tileWidth", offsetof(ColourFrame, tileWidth)},
+                                                      {"tileHeight", offsetof(ColourFrame, tileHeight)},
+                                                      {"slot", offsetof(ColourFrame, slot)},
+                                                      {"owner", offsetof(ColourFrame, owner)},
+                                                      {"fresh", offsetof(ColourFrame, fresh)}});
+  const auto slot = offsetsOf(ibr::shaders::colour_tables_comp, "ColourSlot");
+  CHECK(slot == std::map<std::string, std::uint32_t>{{"owner", offsetof(ColourSlot, owner)},
+                                                     {"shown", offsetof(ColourSlot, shown)},
+                                                     {"target", offsetof(ColourSlot, target)}});
 }

@@ -47,6 +47,29 @@ enum class DrawOrder : std::uint8_t {
   paper,  // back to front, main cell last, no depth ([T] §2.5.2)
 };
 
+/// Whether and how the cells' colours adapt to the main cell's ([T] §2.5.3).
+enum class ColourMapping : std::uint8_t {
+  off,
+  ours,         // all tables at once from a small proxy of the cells, applied while they are drawn
+  paper,        // the paper's sequence: front to back, cell by cell; tables applied to all pixels by compute
+  paperRedraw,  // the same sequence; tables applied by drawing the mesh again
+};
+
+/// How a colour table goes on beyond the levels that two cells share.
+enum class ColourTable : std::uint8_t {
+  naive,       // [T] eq. 10
+  strict,      // [T] eq. 16
+  preserving,  // [T] eq. 18, which it recommends
+};
+
+/// What a renderer is prepared for; more costs pipelines and memory. A scene of one cell has nothing to adapt to and
+/// costs nothing.
+enum class ColourSupport : std::uint8_t {
+  off,
+  ours,  // ColourMapping::off and ours
+  all,
+};
+
 /// What the target's alpha channel holds.
 enum class AlphaContent : std::uint8_t {
   opaque,  // 1 everywhere
@@ -56,6 +79,7 @@ enum class AlphaContent : std::uint8_t {
 /// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
 inline constexpr std::uint32_t kLargestBackdropCount = 64;
+inline constexpr std::uint32_t kColourSlotCount = 2 * kLargestCellCount;  // of a frame's cells and of those before it
 
 struct RenderSettings {
   BlendMode blend = BlendMode::blend;
@@ -68,7 +92,19 @@ struct RenderSettings {
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long
   int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
-  glm::vec3 background{0.0f};       // display-encoded, shown where nothing is drawn
+
+  ColourMapping colourMapping = ColourMapping::off;
+  ColourTable colourTable = ColourTable::preserving;
+  double colourSamples = 0.5;              // share of the pixels of an overlap that are counted, chosen by blue noise
+  std::uint32_t colourLeastSamples = 256;  // below it a table is the identity, from twice that on it counts in full
+  int colourProxy = 8;   // ours: a proxy pixel every so many pixels in x and y, at least 1; more where the cells'
+                         // tiles would not fit into the canvas
+  int colourPeriod = 8;  // ours: frames from one count to the next; a new cell is counted at once
+  double colourFadeSeconds = 1.0;     // a new main cell's table takes so long to the identity
+  double colourSmoothSeconds = 0.15;  // ours: time constant with which tables follow what is measured
+  double colourLargestSpeed = 120;    // ours: levels per second that a table changes at most
+
+  glm::vec3 background{0.0f};  // display-encoded, shown where nothing is drawn
 };
 
 /// What planning needs to know of a cell's mesh, computed once.
@@ -104,14 +140,29 @@ struct PlannedCell {
   double opacity = 1;                // below 1 near the extrapolation limit
   std::uint32_t best = 0;    // member with the greatest λ̂ in the middle of the views; tier 1 is drawn from it
   std::array<View, 2> view;  // weights by view
+  std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
+  bool colourFresh = true;                      // the slot remembers no frame before
 };
 
 /// What a plan remembers of the frames before. Start from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;         // index of the last main cell, −1 if none
-  std::vector<std::uint32_t> order;   // cells of the last frame, best first
-  std::vector<std::uint32_t> former;  // cells before the last switch of the main cell, best first
-  double secondsSinceSwitch = 0;      // of that switch
+  std::int64_t mainCell = -1;             // index of the last main cell, −1 if none
+  std::vector<std::uint32_t> order;       // cells of the last frame, best first
+  std::vector<std::uint32_t> former;      // cells before the last switch of the main cell, best first
+  double secondsSinceSwitch = 0;          // of that switch
+  std::vector<std::int64_t> colourSlots;  // cell of each slot, −1 if none
+  double colourFade = 0;                  // seconds until the main cell's table is the identity
+  int colourAge = 0;                      // frames since colours were counted
+};
+
+/// How tables move in this frame.
+struct ColourPlan {
+  bool counted = true;                       // histograms are made; else tables go on to where they were going
+  bool mainMapped = false;                   // the main cell's table is not the identity yet
+  double mainShare = 1;                      // of its way to the identity that the main cell's table goes
+  double share = 1;                          // of their way that the others' go
+  double largestStep = 255;                  // levels, of the others
+  std::vector<std::uint32_t> backdropSlots;  // as FramePlan::backdrops
 };
 
 /// One frame, decided. Plain data: it may be kept, compared, sent elsewhere.
@@ -122,8 +173,9 @@ struct FramePlan {
   std::vector<std::uint32_t> backdrops;  // indices into Scene::backdrops, best first
   std::vector<PlannedCell> former;       // while a switch is mixed: what is drawn in the order before it; else empty
   double formerWeight = 0;               // of the picture of `former` in the mixture, 0 … 1
-  double nearDistance = 0;               // world units; nearer surfaces are drawn at this depth
-  std::uint32_t culledByFrustum = 0;     // cells not drawn, and why
+  ColourPlan colour;
+  double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
+  std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
   std::uint32_t culledByDistance = 0;
   std::uint32_t culledByCount = 0;
   PlanState next;  // to be handed to the next call
@@ -134,7 +186,7 @@ struct FramePlan {
 /// is one for all views, from the pose in their middle ([T] §2.5.4).
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
-/// the main cell is kept.
+/// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
@@ -170,6 +222,8 @@ struct RendererOptions {
   bool switchMixing = true;  // a second canvas, for FramePlan::former; without, a switch is a cut
   bool fill = true;          // tier 3; without, the background shows where nothing is drawn
   bool depth = false;        // for targets with a depth
+  ColourSupport colour =
+      ColourSupport::ours;  // off: no plan's colours are mapped; ours: a plan's mapping is not the paper's
 };
 
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.

@@ -70,9 +70,9 @@ RenderPassHandle makeRenderPass(const Device& device) {
 
 }  // namespace
 
-Canvas::Canvas(const Device& device, VkExtent2D largest)
-    : colour_(makeImage(device, largest, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VK_IMAGE_ASPECT_COLOR_BIT,
-                        "canvas colour")),
+Canvas::Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse)
+    : colour_(makeImage(device, largest, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | furtherUse,
+                        VK_IMAGE_ASPECT_COLOR_BIT, "canvas colour")),
       depth_(makeImage(device, largest, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                        VK_IMAGE_ASPECT_DEPTH_BIT, "canvas depth")),
       renderPass_(makeRenderPass(device)) {

@@ -24,7 +24,8 @@ class Canvas {
   static constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
   static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-  Canvas(const Device& device, VkExtent2D largest);
+  /// `furtherUse`: of the colour image, beyond drawing, sampling and being copied from.
+  Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse = 0);
 
   VkRenderPass renderPass() const noexcept { return renderPass_.get(); }  // subpass 0: one colour attachment and depth
   VkExtent2D largest() const noexcept { return colour_.info().extent; }

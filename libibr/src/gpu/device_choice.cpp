@@ -23,6 +23,9 @@ struct Feature {
 constexpr Feature kFeatures[]{
     // Cells are drawn with a slice of the depth range each; what lies before the near plane must not be cut away.
     {"depthClamp", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.depthClamp; }},
+    // The paper's way of counting colours.
+    {"fragmentStoresAndAtomics",
+     [](DeviceFeatures& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
     // Structures shared by C++ and shaders are laid out as C++ does it.
     {"scalarBlockLayout", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.scalarBlockLayout; }},
     // All barriers.

@@ -31,6 +31,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
   cell.unitRays = plan.settings.morph == Morph::paper && step.tier != kTierBackdrop;
   cell.blending = shader::uint(plan.settings.blend);
   cell.alpha = (255.0f - 64.0f * float(step.tier)) / 255.0f;
+  cell.table = step.table;
   cell.opacity = step.opacity;
   return cell;
 }

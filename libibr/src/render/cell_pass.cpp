@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -15,23 +14,22 @@
 #include "render/cell_parameters.h"
 #include "render/gpu_scene.h"
 #include "shaders/cell_frag.h"
-#include "shaders/cell_vert.h"
 #include "shared/cell.h"
 
 namespace ibr {
 namespace {
 
-struct Constants {  // specialisation constants of the cell shaders, by id
-  std::int32_t members;
-  VkBool32 onePage;
-  VkBool32 dissolve;
-  std::uint32_t panoramas;
-};
+// Without depth: what is drawn last wins.
+bool isPainters(const RenderSettings& settings) {
+  return settings.order == DrawOrder::paper || settings.colourMapping == ColourMapping::paper ||
+         settings.colourMapping == ColourMapping::paperRedraw;
+}
 
 }  // namespace
 
-CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views)
-    : scene_(&scene.state()), views_(views) {
+CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
+                   VkBuffer colourTables)
+    : scene_(&scene.state()), views_(views), mayMap_(colourTables != VK_NULL_HANDLE) {
   const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
   const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -41,9 +39,10 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
 
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-  const std::array<VkDescriptorSetLayoutBinding, 2> bindings{{
+  const std::array<VkDescriptorSetLayoutBinding, 3> bindings{{
       {shader::kBindingParameters, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr},
       {shader::kBindingNoise, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+      {shader::kBindingFrameTables, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
   }};
   frameLayout_ = makeSetLayout(device, bindings);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, std::uint32_t(bindings.size())};
@@ -51,40 +50,21 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   frameSet_ = allocateSet(device, pool_.get(), frameLayout_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingParameters, parameters_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingNoise, noise_.get());
+  // A set is complete or not usable; what no pipeline reads may be anything.
+  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : noise_.get());
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->photographLayout.get()};
   layout_ = makePipelineLayout(device, layouts, {});
-  const auto makePipeline = [&](const Variant& variant) {
-    const auto members = std::uint32_t(variant.members);
-    std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 1> attributes;
-    for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i)
-      attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, members - 1) * 12};
-    attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, members * 12};
-    const VkVertexInputBindingDescription binding{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX};
-    constexpr std::array<VkSpecializationMapEntry, 4> kEntries{{{0, offsetof(Constants, members), 4},
-                                                                {1, offsetof(Constants, onePage), 4},
-                                                                {2, offsetof(Constants, dissolve), 4},
-                                                                {3, offsetof(Constants, panoramas), 4}}};
-    const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve, variant.panoramas};
-    GraphicsPipelineInfo info;
-    info.vertex = shaders::cell_vert;
-    info.fragment = shaders::cell_frag;
-    info.specialisation = {kEntries, std::as_bytes(std::span(&constants, 1))};
-    info.bindings = {&binding, 1};
-    info.attributes = attributes;
-    info.layout = layout_.get();
-    info.renderPass = renderPass;
-    info.depthTest = info.depthWrite = variant.depth;
-    info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
-    info.name = "cells";
-    return makeGraphicsPipeline(device, info);
-  };
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const bool depth : {false, true})
-      for (const bool dissolve : {false, true})
-        if (const Variant variant{mesh.cameras.size(), mesh.panoramas, mesh.onePage, depth, dissolve};
-            (!dissolve || mayDissolve) && !pipelines_.contains(variant))
-          pipelines_.emplace(variant, makePipeline(variant));
+    for (const bool dissolve : {false, true})
+      for (const bool depth : {false, true})
+        for (const bool mapped : {false, true}) {
+          if ((dissolve && !mayDissolve) || (mapped && !mayMap_)) continue;
+          const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, mapped};
+          if (pipelines_.contains(key)) continue;
+          const CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
+          pipelines_.emplace(key, makeCellPipeline(device, key.variant, info));
+        }
   };
   for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, true);
   for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
@@ -95,10 +75,12 @@ std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noex
 }
 
 VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noexcept {
-  return pipelines_
-      .at({step.mesh->cameras.size(), step.mesh->panoramas, step.mesh->onePage, plan.settings.order == DrawOrder::ours,
-           step.opacity < 1.0f})
-      .get();
+  const RenderSettings& settings = plan.settings;
+  // Most of a picture is the main cell, whose table is the identity but for a second after a switch.
+  const bool isIdentity = step.table == kColourSlotCount ||
+                          (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
+  const bool mapped = mayMap_ && settings.colourMapping != ColourMapping::off && !isIdentity;
+  return pipelines_.at({variantOf(step), !isPainters(settings), mapped}).get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
@@ -126,10 +108,8 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order 
   if (steps.count == 0) return;
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
-  vkCmdBindIndexBuffer(commandBuffer, scene_->indices.get(), 0, VK_INDEX_TYPE_UINT32);
-  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetFrame, 1,
-                          &frameSet_, 0, nullptr);
-  const bool paper = plan.settings.order == DrawOrder::paper;
+  bind(commandBuffer, layout_.get());
+  const bool paper = isPainters(plan.settings);
   const float slots = float(steps.count + 1);
   for (std::uint32_t k = 0; k < steps.count; ++k) {
     const std::uint32_t s = paper ? steps.count - 1 - k : k;
@@ -138,13 +118,24 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order 
         0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
     vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step));
-    vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
-                            &step.mesh->photographs, 0, nullptr);
-    const VkBuffer vertices = scene_->vertices.get();
-    vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
-    vkCmdDrawIndexed(commandBuffer, step.range.indexCount, 1, step.range.firstIndex, 0,
-                     firstParameter(order, view) + s);  // the instance finds the parameters
+    drawStep(commandBuffer, layout_.get(), step, firstParameter(order, view) + s);
   }
+}
+
+void CellPass::bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept {
+  vkCmdBindIndexBuffer(commandBuffer, scene_->indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetFrame, 1, &frameSet_, 0,
+                          nullptr);
+}
+
+void CellPass::drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
+                        std::uint32_t parameter) const noexcept {
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetCell, 1,
+                          &step.mesh->photographs, 0, nullptr);
+  const VkBuffer vertices = scene_->vertices.get();
+  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
+  vkCmdDrawIndexed(commandBuffer, step.range.indexCount, 1, step.range.firstIndex, 0,
+                   parameter);  // the instance finds the parameters
 }
 
 }  // namespace ibr

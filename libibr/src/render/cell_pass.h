@@ -12,6 +12,7 @@
 #include "gpu/buffer.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "render/cell_pipeline.h"
 #include "render/steps.h"
 
 namespace ibr {
@@ -21,7 +22,9 @@ inline constexpr float kStepDepth = 1.0f - 1.0f / 1024.0f;
 class CellPass {
  public:
   /// `renderPass`: of the canvas, colour and depth. `views`: the most a plan will have.
-  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views);
+  /// `colourTables`: packed entries by slot (render/colour_tables.h); null: colours are never mapped.
+  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
+           VkBuffer colourTables = VK_NULL_HANDLE);
 
   /// Writes all parameters of the frame. Outside a render pass; waits for earlier frames' reads, makes its writes
   /// visible to `draw`.
@@ -31,27 +34,36 @@ class CellPass {
   void draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
             VkExtent2D extent) const noexcept;
 
+  // For other passes that draw steps, with pipelines of their own (render/cell_pipeline.h) whose layouts begin with
+  // frameLayout and the scene's photographLayout.
+  VkDescriptorSetLayout frameLayout() const noexcept { return frameLayout_.get(); }
+  const GpuScene::State& scene() const noexcept { return *scene_; }
+  std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;  // of the first step
+  void bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept;
+  void drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
+                std::uint32_t parameter) const noexcept;
+  /// As the plan wants it in the canvas.
+  VkPipeline pipeline(const FramePlan& plan, const Step& step) const noexcept;
+  VkPipelineLayout layout() const noexcept { return layout_.get(); }
+
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
  private:
-  struct Variant {
-    std::size_t members;
-    std::uint32_t panoramas;  // bit i: member i is one
-    bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
-    bool depth;               // our order
-    bool dissolve;            // opacity below 1
-    auto operator<=>(const Variant&) const = default;
+  struct Key {
+    CellVariant variant;
+    bool depth;   // our order
+    bool mapped;  // colours go through their tables
+    auto operator<=>(const Key&) const = default;
   };
-  VkPipeline pipeline(const FramePlan& plan, const Step& step) const noexcept;
-  std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;
 
   const GpuScene::State* scene_;
   std::uint32_t views_;
+  bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;
   VkDescriptorSet frameSet_ = VK_NULL_HANDLE;
   PipelineLayoutHandle layout_;
-  std::map<Variant, PipelineHandle> pipelines_;  // those that the scene's meshes need
+  std::map<Key, PipelineHandle> pipelines_;  // those that the scene's meshes need
   Buffer parameters_, noise_;
 };
 

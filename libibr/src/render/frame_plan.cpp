@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "ibr/renderer.h"
 #include "render/cell_order.h"
+#include "render/colour_plan.h"
 #include "render/culling.h"
 
 namespace ibr {
@@ -65,7 +66,8 @@ class Planner {
     }
     plan_.settings = settings_;
     middle_ = middleOf(plan_.views);
-    seconds_ = state.secondsSinceSwitch + (input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0);  // NaN: 0
+    dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
+    seconds_ = state.secondsSinceSwitch + dt_;
   }
 
   FramePlan run() {
@@ -73,6 +75,7 @@ class Planner {
     chooseCells();
     chooseBackdrops();
     mixSwitch();
+    planColours(scene_, dt_, state_, plan_);
     return std::move(plan_);
   }
 
@@ -207,6 +210,7 @@ class Planner {
   FramePlan plan_;
   std::vector<std::array<glm::dvec3, 4>> planes_;  // by view
   Pose middle_;
+  double dt_ = 0;       // seconds since the frame before
   double seconds_ = 0;  // since the last switch, this frame
   bool mixing_ = false;
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cassert>
 #include <optional>
 
@@ -6,6 +7,8 @@
 #include "gpu/submit.h"
 #include "ibr/renderer.h"
 #include "render/cell_pass.h"
+#include "render/colour_map_pass.h"
+#include "render/colour_tables.h"
 #include "render/composite_pass.h"
 #include "render/depth_pass.h"
 #include "render/fill_pass.h"
@@ -16,10 +19,13 @@ namespace ibr {
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
-      : scene(&gpuScene.state()), options(o), canvas(device, o.largest) {
+      : scene(&gpuScene.state()), options(o), canvas(device, o.largest, ColourMapPass::canvasUse(o.colour)) {
     if (o.switchMixing) former.emplace(device, o.largest);
     if (o.fill) fill.emplace(device, canvas);
-    cells.emplace(device, gpuScene, canvas.renderPass(), o.views);
+    if (o.colour != ColourSupport::off && scene->cells.size() > 1)  // one cell has nothing to adapt to
+      tables.emplace(device, std::min(std::uint32_t(scene->cells.size()), kLargestCellCount));
+    cells.emplace(device, gpuScene, canvas.renderPass(), o.views, tables ? tables->tables() : VK_NULL_HANDLE);
+    if (tables) colours.emplace(device, *tables, *cells, canvas, o.colour);
     composite.emplace(device, canvas, former ? &*former : nullptr, fill ? &*fill : nullptr);
     if (o.depth) depth.emplace(device, canvas);
     // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
@@ -43,7 +49,9 @@ struct Renderer::State {
   Canvas canvas;
   std::optional<Canvas> former;
   std::optional<FillPass> fill;
+  std::optional<ColourTables> tables;
   std::optional<CellPass> cells;
+  std::optional<ColourMapPass> colours;
   std::optional<CompositePass> composite;
   std::optional<DepthPass> depth;
 };
@@ -61,8 +69,12 @@ bool Renderer::supports(VkFormat format) noexcept {
 void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
                       std::span<const Target> targets) const noexcept {
   const State& s = *state_;
+  const ColourMapping mapping = s.colours ? plan.settings.colourMapping : ColourMapping::off;
+  const bool sequence = mapping == ColourMapping::paper || mapping == ColourMapping::paperRedraw;
+  assert(!sequence || s.options.colour == ColourSupport::all);
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
+  if (mapping == ColourMapping::ours) s.colours->makeTables(commandBuffer, plan, targets[0].extent);
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
     assert(!target.depth || s.depth);
@@ -74,7 +86,10 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
       s.cells->draw(commandBuffer, plan, order, view, target.extent);
       canvas.end(commandBuffer);
     };
-    drawInto(s.canvas, Order::current);
+    if (sequence && view == 0)
+      s.colours->drawSequence(commandBuffer, plan, target.extent);
+    else
+      drawInto(s.canvas, Order::current);
     if (s.mixes(plan)) drawInto(*s.former, Order::former);
     if (s.fills(plan)) s.fill->record(commandBuffer, target.extent);
     if (target.depth) {
@@ -97,6 +112,11 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.fill) {
     counters.pipelines += FillPass::kPipelineCount;
     counters.workingBytes += s.fill->allocatedBytes();
+  }
+  if (s.colours) {
+    counters.pipelines += s.colours->pipelineCount();
+    counters.workingBytes += s.colours->imageBytes();
+    s.colours->count(plan, counters);
   }
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
     const Intrinsics& k = plan.views[view].intrinsics;

@@ -21,6 +21,8 @@ struct Step {
   PlannedCell::View weights;  // tier 0 as planned; else one member alone, so that what disagrees cannot ghost
   Tier tier;
   float opacity;
+  std::uint32_t cell;   // among the planned cells (tiers 0 and 1) or backdrops
+  std::uint32_t table;  // colour slot
 };
 
 /// Best first, without allocation.

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/cell_pipeline.h"
+
+#include <algorithm>
+#include <array>
+
+#include "gpu/pipeline.h"
+#include "render/gpu_scene.h"
+#include "shaders/cell_vert.h"
+#include "shared/cell.h"
+
+namespace ibr {
+namespace {
+
+struct Constants {  // specialisation constants of the cell shaders
+  std::int32_t members;
+  VkBool32 onePage;
+  VkBool32 dissolve;
+  std::uint32_t panoramas;
+  VkBool32 mapped;
+};
+
+}  // namespace
+
+PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& wanted) {
+  const auto members = std::uint32_t(variant.members);
+  std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 1> attributes;
+  for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i)
+    attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, members - 1) * 12};
+  attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, members * 12};
+  const VkVertexInputBindingDescription binding{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX};
+  constexpr std::array<VkSpecializationMapEntry, 5> kEntries{{{0, offsetof(Constants, members), 4},
+                                                              {1, offsetof(Constants, onePage), 4},
+                                                              {2, offsetof(Constants, dissolve), 4},
+                                                              {3, offsetof(Constants, panoramas), 4},
+                                                              {7, offsetof(Constants, mapped), 4}}};
+  const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve, variant.panoramas, wanted.mapped};
+  GraphicsPipelineInfo info;
+  info.vertex = shaders::cell_vert;
+  info.fragment = wanted.fragment;
+  info.specialisation = {kEntries, std::as_bytes(std::span(&constants, 1))};
+  info.bindings = {&binding, 1};
+  info.attributes = attributes;
+  info.layout = wanted.layout;
+  info.renderPass = wanted.renderPass;
+  info.depthTest = info.depthWrite = wanted.depth;
+  info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
+  info.name = wanted.name;
+  return makeGraphicsPipeline(device, info);
+}
+
+}  // namespace ibr

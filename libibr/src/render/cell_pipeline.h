@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pipelines that draw cells' meshes: one vertex stage, a fragment stage for each purpose, variants by what a mesh is.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "gpu/handle.h"
+#include "ibr/device.h"
+#include "render/steps.h"
+
+namespace ibr {
+
+/// What specialisation makes of the shaders of a step.
+struct CellVariant {
+  std::size_t members;
+  std::uint32_t panoramas;  // bit i: member i is one
+  bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
+  bool dissolve;            // opacity below 1
+  auto operator<=>(const CellVariant&) const = default;
+};
+
+inline CellVariant variantOf(const Step& step) {
+  return {step.mesh->cameras.size(), step.mesh->panoramas, step.mesh->onePage, step.opacity < 1.0f};
+}
+
+struct CellPipelineInfo {
+  const char* name = "";
+  std::span<const std::uint32_t> fragment;  // begins with shaders/render/cell_colour.glsl
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkRenderPass renderPass = VK_NULL_HANDLE;
+  bool depth = false;   // test and write
+  bool mapped = false;  // kMapped of cell.frag
+};
+
+PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& info);
+
+}  // namespace ibr

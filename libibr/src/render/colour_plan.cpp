@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/colour_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ibr {
+namespace {
+
+constexpr std::int64_t kNobody = -1;
+
+// A cell that was drawn in the frame before keeps its slot; the others' slots are free.
+void assignSlots(const PlanState& state, FramePlan& plan) {
+  std::vector<std::int64_t>& slots = plan.next.colourSlots;
+  slots.assign(kColourSlotCount, kNobody);
+  std::vector<PlannedCell*> drawn;
+  for (PlannedCell& cell : plan.cells) drawn.push_back(&cell);
+  for (PlannedCell& cell : plan.former) drawn.push_back(&cell);
+  const auto slotOf = [](const std::vector<std::int64_t>& all, const PlannedCell& cell) {
+    return std::size_t(std::find(all.begin(), all.end(), std::int64_t(cell.cell)) - all.begin());
+  };
+  for (const PlannedCell* cell : drawn)
+    if (const std::size_t slot = slotOf(state.colourSlots, *cell); slot < state.colourSlots.size())
+      slots[slot] = cell->cell;
+  for (PlannedCell* cell : drawn) {
+    std::size_t slot = slotOf(slots, *cell);
+    cell->colourFresh = slotOf(state.colourSlots, *cell) == state.colourSlots.size();
+    if (slot == slots.size()) slot = std::size_t(std::find(slots.begin(), slots.end(), kNobody) - slots.begin());
+    slots[slot] = cell->cell;
+    cell->colourSlot = std::uint32_t(slot);
+  }
+}
+
+std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::uint32_t node) {
+  for (const PlannedCell& cell : plan.cells) {
+    const std::vector<std::uint32_t>& members = scene.cells[cell.cell].members;
+    if (std::find(members.begin(), members.end(), node) != members.end()) return cell.colourSlot;
+  }
+  return kColourSlotCount;
+}
+
+}  // namespace
+
+void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
+  const RenderSettings& settings = plan.settings;
+  ColourPlan& colour = plan.colour;
+  colour.backdropSlots.assign(plan.backdrops.size(), kColourSlotCount);
+  if (settings.colourMapping == ColourMapping::off) return;
+  const bool ours = settings.colourMapping == ColourMapping::ours;
+  if (!ours) {  // the paper's sequence has one order in one picture
+    plan.former.clear();
+    plan.formerWeight = 0;
+  }
+  assignSlots(state, plan);
+  for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+    colour.backdropSlots[b] = slotOfPhotograph(scene, plan, scene.backdrops[plan.backdrops[b]].members[0]);
+
+  const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
+  const double left = switched ? settings.colourFadeSeconds : state.colourFade;
+  constexpr double kDone = 1e-9;  // rounding of the sum of many steps is not worth a frame
+  colour.mainShare = left > seconds + kDone ? seconds / left : 1.0;
+  colour.mainMapped = colour.mainShare < 1.0;
+  plan.next.colourFade = colour.mainMapped ? left - seconds : 0.0;
+  if (ours) {
+    const bool anyNew =
+        std::any_of(plan.cells.begin(), plan.cells.end(), [](const auto& cell) { return cell.colourFresh; });
+    colour.counted = anyNew || state.colourAge + 1 >= settings.colourPeriod;
+    plan.next.colourAge = colour.counted ? 0 : state.colourAge + 1;
+    colour.share = settings.colourSmoothSeconds > 0 ? -std::expm1(-seconds / settings.colourSmoothSeconds) : 1.0;
+    colour.largestStep = std::clamp(settings.colourLargestSpeed * seconds, 0.0, 255.0);
+  }
+}
+
+}  // namespace ibr

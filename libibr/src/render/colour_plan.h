@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which slot holds which cell's colour table and how tables move in this frame ([T] §2.5.3, "to smooth out this
+// transition"). Pure.
+#pragma once
+
+#include "ibr/renderer.h"
+
+namespace ibr {
+
+/// `plan` is complete but for colours; `seconds` since the frame before, clamped. Where colours are not mapped, what
+/// was remembered of them is forgotten.
+///
+/// Backdrops take the table of the best planned cell of which their photograph is a member, else none: their colours
+/// are those of that photograph. Tier 1 takes its cell's.
+void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan);
+
+}  // namespace ibr

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which slot a cell's table lives in, and how tables move: decided without a device (NUMERICS T18).
+#include "render/colour_plan.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <set>
+
+using namespace ibr;
+
+namespace {
+
+FramePlan planOf(std::vector<std::uint32_t> cells, ColourMapping mapping = ColourMapping::ours) {
+  FramePlan plan;
+  plan.settings.colourMapping = mapping;
+  for (std::uint32_t c : cells) plan.cells.emplace_back().cell = c;
+  if (!cells.empty()) plan.next.mainCell = cells[0];
+  return plan;
+}
+
+FramePlan colours(FramePlan plan, double seconds, const PlanState& state, const Scene& scene = {}) {
+  planColours(scene, seconds, state, plan);
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("a cell keeps its slot for as long as it is drawn, and slots differ") {
+  FramePlan plan = colours(planOf({7, 3, 9}), 0.02, {});
+  for (const PlannedCell& cell : plan.cells) CHECK(cell.colourFresh);
+  const std::uint32_t slotOf3 = plan.cells[1].colourSlot, slotOf9 = plan.cells[2].colourSlot;
+  plan = colours(planOf({3, 5, 9, 11}), 0.02, plan.next);
+  CHECK(plan.cells[0].colourSlot == slotOf3);
+  CHECK(plan.cells[2].colourSlot == slotOf9);
+  CHECK_FALSE(plan.cells[0].colourFresh);
+  CHECK(plan.cells[1].colourFresh);
+  plan = colours(planOf({7}), 0.02, plan.next);
+  CHECK(plan.cells[0].colourFresh);  // was away for a frame
+  plan = colours(planOf({7}, ColourMapping::off), 0.02, plan.next);
+  CHECK(plan.cells[0].colourSlot == kColourSlotCount);
+  CHECK(plan.next.colourSlots.empty());
+
+  std::vector<std::uint32_t> many, others;
+  for (std::uint32_t c = 0; c < kLargestCellCount; ++c) many.push_back(c), others.push_back(1000 + c);
+  PlanState state = colours(planOf(many), 0, {}).next;
+  for (int frame = 0; frame < 3; ++frame) {
+    FramePlan full = planOf(frame % 2 ? many : others);
+    for (std::uint32_t c : frame % 2 ? others : many) full.former.emplace_back().cell = c;
+    full = colours(full, 0, state);
+    std::set<std::uint32_t> slots;
+    for (const PlannedCell& cell : full.cells) slots.insert(cell.colourSlot);
+    for (const PlannedCell& cell : full.former) slots.insert(cell.colourSlot);
+    CHECK(slots.size() == 2 * kLargestCellCount);
+    CHECK(*slots.rbegin() < kColourSlotCount);
+    state = full.next;
+  }
+}
+
+TEST_CASE("cells of the former order keep the tables they had, in the same slots") {
+  FramePlan plan = colours(planOf({1, 2}), 0.02, {});
+  FramePlan next = planOf({2, 4});
+  next.former = planOf({1, 2}).cells;
+  next.formerWeight = 1;
+  next = colours(next, 0.02, plan.next);
+  CHECK(next.former[0].colourSlot == plan.cells[0].colourSlot);
+  CHECK(next.former[1].colourSlot == next.cells[0].colourSlot);
+  CHECK_FALSE(next.former[0].colourFresh);
+  CHECK(next.formerWeight == 1);
+
+  next = planOf({2, 4}, ColourMapping::paper);
+  next.former = planOf({1, 2}).cells;
+  next.formerWeight = 1;
+  next = colours(next, 0.02, plan.next);
+  CHECK(next.former.empty());
+  CHECK(next.formerWeight == 0);
+}
+
+TEST_CASE("after a switch the main table is the identity in a second, in equal steps; another switch begins anew") {
+  PlanState state = colours(planOf({1, 2}), 0, {}).next;
+  state.mainCell = 1;
+  FramePlan plan = planOf({2, 1});
+  double left = 1;  // part of the way that is left
+  int frames = 0;
+  for (; left > 0 && frames < 100; ++frames) {
+    plan = colours(planOf({2, 1}), 0.05, state);
+    left *= 1 - plan.colour.mainShare;
+    CHECK(left == Approx(std::max(0.0, 1 - 0.05 * (frames + 1))).margin(1e-9));
+    state = plan.next;
+    if (frames == 9) break;
+  }
+  CHECK(frames == 9);  // half-way
+  plan = colours(planOf({1, 2}), 0.05, state);
+  CHECK(plan.colour.mainShare == Approx(0.05));
+  state = plan.next;
+  for (frames = 1; plan.colour.mainShare < 1; ++frames) {
+    plan = colours(planOf({1, 2}), 0.05, state);
+    state = plan.next;
+    REQUIRE(frames < 100);
+  }
+  CHECK(frames == 20);
+  CHECK(state.colourFade == 0);
+}
+
+TEST_CASE("time that stands still moves no table; the first frame shows its target") {
+  FramePlan plan = colours(planOf({1, 2}), 0, {});
+  CHECK(plan.colour.mainShare == 1);  // there is nothing to fade from
+  plan = colours(planOf({2, 1}), 0, plan.next);
+  CHECK(plan.colour.mainShare == 0);
+  CHECK(plan.colour.share == 0);
+  CHECK(plan.colour.largestStep == 0);
+  plan = colours(planOf({2, 1}), 0.1, plan.next);
+  CHECK(plan.colour.share > 0.3);
+  CHECK(plan.colour.share < 1);
+  CHECK(plan.colour.largestStep == Approx(12));
+
+  FramePlan atOnce = planOf({1, 2});
+  atOnce.settings.colourSmoothSeconds = atOnce.settings.colourFadeSeconds = 0;
+  atOnce = colours(atOnce, 0.02, plan.next);
+  CHECK(atOnce.colour.share == 1);
+  CHECK(atOnce.colour.mainShare == 1);
+
+  plan = colours(planOf({1, 2}, ColourMapping::paper), 0.02, plan.next);  // the paper fades, but does not smooth
+  CHECK(plan.colour.share == 1);
+  CHECK(plan.colour.largestStep == 255);
+  CHECK(plan.colour.mainShare == Approx(0.02));
+}
+
+TEST_CASE("a backdrop takes the table of the best cell that shows its photograph") {
+  Scene scene;
+  scene.nodes.resize(5);
+  scene.cells.resize(3);
+  scene.cells[0].members = {0, 1};
+  scene.cells[1].members = {1, 2};
+  scene.cells[2].members = {3, 2};
+  for (std::uint32_t n = 0; n < 5; ++n) scene.backdrops.emplace_back().members = {n};
+  FramePlan plan = planOf({2, 1});
+  plan.backdrops = {4, 3, 2, 1, 0};
+  plan = colours(plan, 0, {}, scene);
+  const std::uint32_t first = plan.cells[0].colourSlot, second = plan.cells[1].colourSlot;
+  CHECK(plan.colour.backdropSlots ==
+        std::vector<std::uint32_t>{kColourSlotCount, first, first, second, kColourSlotCount});
+}
+
+TEST_CASE("colours are counted every few frames, and at once where a cell is new") {
+  PlanState state;
+  int counted = 0;
+  for (int frame = 0; frame < 33; ++frame) {
+    const FramePlan plan = colours(planOf({1, 2}), 0.02, state);
+    CHECK(plan.colour.counted == (frame % 8 == 0));
+    counted += plan.colour.counted;
+    state = plan.next;
+  }
+  CHECK(counted == 5);
+  CHECK_FALSE(colours(planOf({2, 1}), 0.02, state).colour.counted);  // another order of the same
+  CHECK(colours(planOf({1, 2, 3}), 0.02, state).colour.counted);
+  FramePlan always = planOf({1, 2});
+  always.settings.colourPeriod = 1;
+  CHECK(colours(always, 0.02, state).colour.counted);
+  CHECK(colours(planOf({1, 2}, ColourMapping::paper), 0.02, state).colour.counted);
+}
+
+TEST_CASE("the main cell is drawn without a table once its own is the identity") {
+  PlanState state;
+  state.mainCell = 5;
+  FramePlan plan = colours(planOf({1, 2}), 0.1, state);
+  CHECK(plan.colour.mainMapped);
+  for (int frame = 0; frame < 8; ++frame) {
+    plan.next.mainCell = 1;
+    plan = colours(planOf({1, 2}), 0.1, plan.next);
+    CHECK(plan.colour.mainMapped);
+  }
+  plan = colours(planOf({1, 2}), 0.1, plan.next);
+  CHECK(plan.colour.mainShare == 1);
+  CHECK_FALSE(plan.colour.mainMapped);
+}

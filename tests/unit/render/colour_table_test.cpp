@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// N9: properties of colour tables over random and extreme histograms, traps T14–T18.
+#include "render/colour_table.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace ibr;
+using namespace ibr::shader;
+
+namespace {
+
+struct Pair {
+  std::string kind;
+  LevelHistogram reference{}, modify{};
+};
+
+std::uint32_t below(std::mt19937& random, std::uint32_t count) {
+  return std::uint32_t(random() % count);
+}
+
+constexpr std::uint32_t kMethods[]{kMapNaive, kMapStrict, kMapPreserving};
+
+// Both histograms of `count` pixels, each level of `modify` seen as a random one near `change` of it.
+template <class Change>
+Pair pixels(std::mt19937& random, std::string kind, std::uint32_t count, int low, int high, Change change) {
+  Pair pair{std::move(kind)};
+  std::uniform_int_distribution<int> level(low, high);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const int m = level(random);
+    ++pair.modify[std::size_t(m)];
+    ++pair.reference[std::size_t(std::clamp(int(change(m)), 0, 255))];
+  }
+  return pair;
+}
+
+Pair randomPair(std::mt19937& random) {
+  std::uniform_int_distribution<int> any(0, 255);
+  const auto same = [](int m) { return m; };
+  Pair pair;
+  switch (random() % 10) {
+    case 0:
+      return pixels(random, "one sample", 1, 0, 255, [&](int) { return any(random); });
+    case 1: {
+      const int level = any(random);
+      return pixels(random, "one level", 1 + below(random, 1000), level, level, [&](int) { return any(random); });
+    }
+    case 2: {
+      pair.kind = "two spikes";
+      const std::uint32_t a = 1 + below(random, 1000), b = 1 + below(random, 1000);
+      pair.modify[std::size_t(any(random))] += a;
+      pair.modify[std::size_t(any(random))] += b;
+      pair.reference[std::size_t(any(random))] += a;
+      pair.reference[std::size_t(any(random))] += b;
+      return pair;
+    }
+    case 3:
+      return {"empty"};
+    case 4:
+      return pixels(random, "full range", 2000, 0, 255, [&](int) { return any(random); });
+    case 5:
+      return pixels(random, "inverted", 500, 0, 255, [](int m) { return 255 - m; });
+    case 6: {
+      pair.kind = "powers of two";
+      for (int k = 0; k < 24; ++k) {
+        pair.modify[std::size_t(any(random))] += 1u << k;
+        pair.reference[std::size_t(any(random))] += 1u << k;
+      }
+      return pair;
+    }
+    case 7: {
+      pair.kind = "2^31";
+      pair.modify[std::size_t(any(random))] += 1u << 31;
+      pair.modify[std::size_t(any(random))] += (1u << 31) - 1;
+      pair.reference[std::size_t(any(random))] += 1u << 31;
+      pair.reference[std::size_t(any(random))] += (1u << 31) - 1;
+      return pair;
+    }
+    case 8: {
+      const int low = any(random), high = std::min(255, low + int(random() % 40));
+      return pixels(random, "narrow", 300, low, high, same);
+    }
+    default: {
+      const double gain = 0.3 + double(random() % 1000) / 400, offset = double(int(random() % 100) - 50);
+      return pixels(random, "gain and offset", 800, 30, 220, [=](int m) { return gain * m + offset; });
+    }
+  }
+}
+
+// Straight from the formulas, with loops and wide integers; nothing shared with the code under test.
+int oracle(const Pair& pair, int i, std::uint32_t method) {
+  using Wide = long long;
+  std::array<Wide, 256> r{}, m{};
+  Wide sumR = 0, sumM = 0;
+  for (std::size_t g = 0; g < 256; ++g) r[g] = sumR += pair.reference[g], m[g] = sumM += pair.modify[g];
+  const auto naive = [&](int level) {
+    for (int j = 0; j < 256; ++j)
+      if (m[std::size_t(level)] <= r[std::size_t(j)]) return j;
+    return 255;
+  };
+  int bottom = 255, top = 255;
+  for (int g = 255; g >= 0; --g) {
+    if (m[std::size_t(g)] != 0) bottom = g;
+    if (m[std::size_t(g)] == sumM) top = g;
+  }
+  const auto floorOf = [](Wide a, Wide b) { return Wide(std::floor((long double)a / (long double)b)); };
+  const auto ceilOf = [](Wide a, Wide b) { return a / b + (a % b != 0); };
+  if (method == kMapNaive || (bottom <= i && i <= top)) return naive(i);
+  const Wide low = naive(bottom), high = naive(top);
+  const Wide line = top == bottom ? i - bottom + low : floorOf((high - low) * (i - bottom), top - bottom) + low;
+  const Wide strict = std::clamp<Wide>(line, 0, 255);
+  if (method == kMapStrict) return int(strict);
+  if (i < bottom) return int(std::max(strict, ceilOf(low * i, bottom)));
+  return int(std::min(strict, ceilOf(high * (255 - top) + (255 - high) * (i - top), 255 - top)));
+}
+
+}  // namespace
+
+TEST_CASE("tables of a hundred thousand histogram pairs keep what N9 promises") {
+  std::mt19937 random(9);
+  for (int round = 0; round < 100'000; ++round) {
+    const Pair pair = randomPair(random);
+    const std::uint32_t method = kMethods[round % 3];
+    const LevelTable table = levelTable(pair.reference, pair.modify, method, 1);
+    const bool seen = std::accumulate(pair.modify.begin(), pair.modify.end(), 0ull) >= 2;
+    bool monotone = true, right = true;
+    for (std::size_t i = 0; i < 256; ++i) {
+      monotone &= i == 0 || table[i - 1] <= table[i];
+      // The whole table against the formulas takes a while: of every pair some levels, of every level some pairs.
+      if (seen && (i * 7 + std::size_t(round)) % 37 == 0) right &= table[i] == oracle(pair, int(i), method);
+    }
+    if (monotone && right) continue;
+    FAIL_CHECK("round " << round << ", " << pair.kind << ", method " << method << ", monotone " << monotone);
+  }
+}
+
+TEST_CASE("tables equal the formulas at every level") {
+  std::mt19937 random(10);
+  for (int round = 0; round < 300; ++round) {
+    const Pair pair = randomPair(random);
+    if (std::accumulate(pair.modify.begin(), pair.modify.end(), 0ull) < 2) continue;
+    for (std::uint32_t method : kMethods) {
+      const LevelTable table = levelTable(pair.reference, pair.modify, method, 1);
+      for (int i = 0; i < 256; ++i) {
+        INFO(pair.kind << ", method " << method << ", level " << i);
+        REQUIRE(int(table[std::size_t(i)]) == oracle(pair, i, method));
+      }
+    }
+  }
+}
+
+TEST_CASE("equal histograms leave occupied levels alone") {
+  std::mt19937 random(11);
+  for (int round = 0; round < 2000; ++round) {
+    Pair pair = randomPair(random);
+    for (std::uint32_t method : kMethods) {
+      const LevelTable table = levelTable(pair.modify, pair.modify, method, 1);
+      for (std::size_t i = 0; i < 256; ++i)
+        if (pair.modify[i] != 0) REQUIRE(std::size_t(table[i]) == i);
+    }
+  }
+}
+
+TEST_CASE("below the least number of samples nothing changes, from twice that on everything does") {
+  std::mt19937 random(12);
+  for (std::uint32_t least : {1u, 2u, 100u, 256u, 1u << 20}) {
+    for (int round = 0; round < 50; ++round) {
+      Pair pair{"spikes"};
+      const std::uint32_t samples = std::uint32_t(random() % (2 * least + 2));
+      pair.modify[random() % 256] += samples;
+      pair.reference[random() % 256] += samples;
+      const LevelTable table = levelTable(pair.reference, pair.modify, kMapPreserving, least);
+      const LevelTable whole = levelTable(pair.reference, pair.modify, kMapPreserving, samples > 1 ? samples / 2 : 1);
+      INFO(samples << " of " << least);
+      for (std::size_t i = 1; i < 256; ++i) REQUIRE(table[i - 1] <= table[i]);
+      if (samples < least) REQUIRE(table == identityTable());
+      if (samples >= 2 * least) REQUIRE(table == whole);
+      for (std::size_t i = 0; i < 256; ++i) {
+        REQUIRE(int(table[i]) >= std::min(int(i), int(whole[i])));
+        REQUIRE(int(table[i]) <= std::max(int(i), int(whole[i])));
+      }
+    }
+  }
+  CHECK(levelTable({}, {}, kMapPreserving, 0) == identityTable());
+}
+
+TEST_CASE("preserving ends where the range ends, whenever the strict line would leave it") {
+  std::mt19937 random(13);
+  for (int round = 0; round < 5000; ++round) {
+    const Pair pair = randomPair(random);
+    if (std::accumulate(pair.modify.begin(), pair.modify.end(), 0ull) < 2) continue;
+    const LevelTable strict = levelTable(pair.reference, pair.modify, kMapStrict, 1);
+    const LevelTable preserving = levelTable(pair.reference, pair.modify, kMapPreserving, 1);
+    if (pair.modify[0] == 0 && strict[0] == 0) REQUIRE(int(preserving[0]) == 0);
+    if (pair.modify[255] == 0 && strict[255] == 255) REQUIRE(int(preserving[255]) == 255);
+  }
+}
+
+TEST_CASE("a planted change of exposure is found again") {
+  std::mt19937 random(14);
+  std::uniform_real_distribution<double> gammas(0.8, 1.25), gains(0.7, 1.4);
+  for (int round = 0; round < 200; ++round) {
+    const double gamma = gammas(random), gain = gains(random);
+    const auto changed = [&](double level) {
+      return std::clamp(std::lround(255 * gain * std::pow(level / 255, gamma)), 0l, 255l);
+    };
+    // The scene as the reference shows it, dark parts more often; the cell to be mapped sees it `changed`.
+    std::normal_distribution<double> scene(110, 45);
+    std::vector<int> before, after;
+    Pair pair{"exposure"};
+    for (int i = 0; i < 20'000; ++i) {
+      const int r = std::clamp(int(std::lround(scene(random))), 0, 255), m = int(changed(r));
+      ++pair.reference[std::size_t(r)];
+      ++pair.modify[std::size_t(m)];
+      if (m == 255) continue;  // what the exposure burnt out nothing brings back
+      before.push_back(m);
+      after.push_back(r);
+    }
+    for (std::uint32_t method : kMethods) {
+      const LevelTable table = levelTable(pair.reference, pair.modify, method, 256);
+      double sum = 0;
+      for (std::size_t i = 0; i < before.size(); ++i) sum += std::abs(int(table[std::size_t(before[i])]) - after[i]);
+      INFO("gamma " << gamma << ", gain " << gain << ", method " << method);
+      REQUIRE(sum / double(before.size()) <= 1.5);
+    }
+  }
+}
+
+TEST_CASE("tables move towards their target, arrive exactly, and never faster than allowed") {
+  std::mt19937 random(15);
+  for (int round = 0; round < 20'000; ++round) {
+    const std::uint32_t target = kFine * below(random, 256), share = 1 + below(random, kWhole),
+                        step = 1 + below(random, 2000);
+    std::uint32_t shown = below(random, 255 * kFine + 1);
+    const std::uint32_t next = approach(shown, target, share, step);
+    const auto way = std::int64_t(next) - shown;
+    REQUIRE(std::uint64_t(std::abs(way)) <= step);
+    REQUIRE(std::max(shown, target) >= next);
+    REQUIRE(std::min(shown, target) <= next);
+    if (shown != target) REQUIRE(way != 0);
+    // Increasing in both.
+    if (shown < 255 * kFine) REQUIRE(approach(shown + 1, target, share, step) >= next);
+    if (target < 255 * kFine) REQUIRE(approach(shown, target + kFine, share, step) >= next);
+    REQUIRE(approach(shown, target, 0, step) == shown);
+    REQUIRE(approach(shown, target, kWhole, 255 * kFine) == target);
+  }
+  std::uint32_t shown = 0;
+  int frames = 0;
+  for (; shown != 200 * kFine && frames < 10'000; ++frames) shown = approach(shown, 200 * kFine, kWhole / 100, ~0u);
+  CHECK(shown == 200 * kFine);
+}
+
+TEST_CASE("the state of a pixel is told from alpha with room to spare") {
+  for (int tier = 0; tier < 4; ++tier) {
+    const float final = float(255 - 64 * tier) / 255;
+    for (float error : {-15.4f, -1.0f, -0.5f, 0.0f, 0.5f}) {
+      CHECK(pixelState(final + error / 255) == kPixelFinal);
+      CHECK(pixelState(final - kPendingStep + error / 255) == kPixelPending);
+    }
+  }
+  CHECK(pixelState(0.0f) == kPixelEmpty);
+  CHECK(pixelState(15.4f / 255) == kPixelEmpty);
+}
+
+TEST_CASE("colours and packed entries survive the way through 8 bits") {
+  for (std::uint32_t level = 0; level < 256; ++level) {
+    CHECK(levelsOf(vec3(float(level) / 255.0f)) == uvec3(level));
+    const std::uint32_t entry = packLevels(level, 255 - level, level / 2);
+    CHECK(packedLevel(entry, 0) == level);
+    CHECK(packedLevel(entry, 1) == 255 - level);
+    CHECK(packedLevel(entry, 2) == level / 2);
+  }
+}
