@@ -112,7 +112,7 @@ ColourMapPass::ColourMapPass(Device& device, ColourTables& tables, const CellPas
         {"colour count", shaders::colour_count_frag, layout_.get(), renderPass_.get()},
         {"colour redraw", shaders::colour_redraw_frag, layout_.get(), renderPass_.get()}};
     for (const bool dissolve : {false, true}) {
-      const Key key{stage, {mesh.cameras.size(), mesh.onePage, dissolve}};
+      const Key key{stage, {mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}};
       if ((!dissolve || mayDissolve) && !pipelines_.contains(key))
         pipelines_.emplace(key, makeCellPipeline(device, key.variant, infos[std::size_t(stage)]));
     }
