@@ -35,6 +35,6 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand, kSynthCommand;
+    kDeviceCommand, kBenchCommand, kSynthCommand, kWalkCommand;
 
 }  // namespace ibr::app

@@ -17,8 +17,8 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::array kCommands{&kBuildCommand,   &kInfoCommand,  &kValidateCommand, &kRenderCommand, &kEvalCommand,
-                               &kCompareCommand, &kBenchCommand, &kSynthCommand,    &kDeviceCommand};
+constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand, &kEvalCommand,
+                               &kWalkCommand,  &kCompareCommand, &kBenchCommand,    &kSynthCommand,  &kDeviceCommand};
 
 ExitCode exitCodeOf(ErrorCode code) {
   switch (code) {

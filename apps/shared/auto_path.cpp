@@ -2,7 +2,7 @@
 //
 //   1. stations: the different places of the cells' centres, where photographs are blended and most is covered
 //   2. order them: along the principal axis where they are nearly a line, else nearest neighbour, then 2-opt
-//   3. at each, look as the cells there do, that way which turns the view least
+//   3. at each, look as the cells there do, that way which turns the view least; where panoramas stand, look ahead
 //   4. smooth places and directions, lead the ends out of the cells, and time the keys by way and turn
 #include "shared/auto_path.h"
 
@@ -42,6 +42,7 @@ struct Choice {
 struct Station {
   glm::dvec3 position;
   std::vector<Choice> choices;
+  bool allRound = false;  // panoramas stand there
 };
 
 // Their mean, or the first where they cancel each other out, as the ups of a drone do that turned its heading.
@@ -76,13 +77,14 @@ std::vector<Station> stationsOf(const Scene& scene) {
   const double same = 1e-4 * glm::length(high - low);
   std::vector<Station> stations;
   const auto add = [&](const std::vector<std::uint32_t>& nodes, double weight) {
-    for (const std::uint32_t node : nodes)
-      if (scene.nodes[node].camera.intrinsics.model != CameraModel::pinhole) return;
     const glm::dvec3 centre = centreOf(scene, nodes);
     const auto found = std::ranges::find_if(
         stations, [&](const Station& station) { return glm::distance(station.position, centre) <= same; });
     Station& station = found != stations.end() ? *found : stations.emplace_back(Station{centre, {}});
     station.choices.push_back(choiceOf(scene, nodes, weight));
+    station.allRound |= std::ranges::all_of(nodes, [&](std::uint32_t node) {
+      return scene.nodes[node].camera.intrinsics.model == CameraModel::equirectangular;
+    });
   };
   for (const Cell& cell : scene.cells) add(cell.members, double(cell.mesh.tier0Count()));
   if (scene.cells.empty())
@@ -153,6 +155,15 @@ glm::dquat rotationOf(const Look& look) {
   return glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back)));
 }
 
+// Level, towards the next station, as one walks.
+glm::dvec3 ahead(const std::vector<Station>& tour, std::size_t i, const Look& last) {
+  if (tour.size() < 2) return last.axis;
+  const std::size_t from = std::min(i, tour.size() - 2);
+  const glm::dvec3 way = tour[from + 1].position - tour[from].position;
+  const glm::dvec3 level = way - glm::dot(way, last.up) * last.up;
+  return glm::length(level) > 0.1 * glm::length(way) ? glm::normalize(level) : last.axis;
+}
+
 std::vector<Look> looksAlong(const std::vector<Station>& tour, const Choice& start) {
   glm::dvec3 meanUp(0.0);
   std::size_t count = 0;
@@ -166,10 +177,12 @@ std::vector<Look> looksAlong(const std::vector<Station>& tour, const Choice& sta
   const bool agreed = glm::length(meanUp) > 0.5 * double(count);
   std::vector<Look> looks;
   Look last = start.look;
-  for (const Station& station : tour) {
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    const Station& station = tour[i];
     const Choice& nearest = *std::ranges::max_element(
         station.choices, {}, [&](const Choice& choice) { return glm::dot(choice.look.axis, last.axis); });
     Look look{nearest.look.axis, agreed ? glm::normalize(meanUp) : last.up};
+    if (station.allRound) look.axis = ahead(tour, i, {nearest.look.axis, look.up});
     if (std::abs(glm::dot(look.axis, look.up)) > 0.98) look.up = nearest.look.up;
     looks.push_back(last = look);
   }
@@ -199,10 +212,23 @@ double median(std::vector<double> values) {
 
 void chooseSize(const Intrinsics& photograph, CameraPath& path) {
   if (path.width > 0 && path.height > 0) return;
+  if (photograph.model == CameraModel::equirectangular) {
+    path.width = 1280;
+    path.height = 720;
+    return;
+  }
   const double scale = std::min(1.0, 1280.0 / std::max(photograph.width, photograph.height));
   const auto even = [&](int side) { return std::max(2, int(std::lround(side * scale / 2)) * 2); };
   path.width = even(photograph.width);
   path.height = even(photograph.height);
+}
+
+// Vertical, in radians: what photographs from there show, narrowed; of panoramas what a wide lens shows.
+double fieldOfView(const Intrinsics& photograph, const CameraPath& path, double narrowed) {
+  constexpr double kOfPanoramas = 1.1;
+  if (photograph.model == CameraModel::equirectangular) return kOfPanoramas;
+  const double tanX = 0.5 * photograph.width / photograph.fx, tanY = 0.5 * photograph.height / photograph.fy;
+  return 2 * std::atan(narrowed * std::min(tanY, tanX * path.height / path.width));
 }
 
 // How much of the photographs' field of view the view takes: what cells cover of their members' pictures, as a length.
@@ -258,7 +284,7 @@ void setTimes(std::vector<CameraKey>& keys, double duration) {
 CameraPath autoPath(const Scene& scene, int frameCount, int width, int height) {
   assert(frameCount >= 1);
   std::vector<Station> tour = stationsOf(scene);
-  check(!tour.empty(), ErrorCode::invalidInput, "the scene has no pinhole photograph to make a path from");
+  check(!tour.empty(), ErrorCode::invalidInput, "the scene has no photograph to make a path from");
   sortIntoTour(tour);
   const Choice start = *std::ranges::max_element(tour.front().choices, {}, &Choice::weight);
   const std::vector<Look> asPhotographed = looksAlong(tour, start);
@@ -271,8 +297,7 @@ CameraPath autoPath(const Scene& scene, int frameCount, int width, int height) {
   const Intrinsics& photograph = scene.nodes[start.nodes[0]].camera.intrinsics;
   CameraPath path{width, height, kFps, {}};
   chooseSize(photograph, path);
-  const double tanX = 0.5 * photograph.width / photograph.fx, tanY = 0.5 * photograph.height / photograph.fy;
-  const double fovY = 2 * std::atan(narrowing(scene) * std::min(tanY, tanX * path.height / path.width));
+  const double fovY = fieldOfView(photograph, path, narrowing(scene));
   std::vector<CameraKey>& keys = path.keys;
   for (std::size_t i = 0; i < tour.size(); ++i) keys.push_back({0, tour[i].position, rotationOf(looks[i]), fovY});
   if (tour.size() == 1) {
