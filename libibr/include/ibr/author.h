@@ -78,8 +78,8 @@ struct BuildReport {
 };
 
 /// Builds a scene folder. Cells are finished one by one and kept, so that an interrupted or cancelled build goes on
-/// where it stopped when it is called again with the same options. Throws Error; {unsupported} for panoramas, after
-/// all of the input was read and checked: cells of panoramas cannot be built yet.
+/// where it stopped when it is called again with the same options. Panoramas and pinholes of one model are never in one
+/// cell. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 }  // namespace ibr

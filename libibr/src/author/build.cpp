@@ -21,6 +21,7 @@
 #include "author/hash.h"
 #include "author/match.h"
 #include "author/mesh.h"
+#include "author/panorama_cell.h"
 #include "author/parallel.h"
 #include "author/photographs.h"
 #include "base/check.h"
@@ -106,6 +107,10 @@ MatchView viewOf(const Photograph& photo) {
   return view;
 }
 
+bool isPanorama(const Photograph& photo) {
+  return photo.camera.intrinsics.model == CameraModel::equirectangular;
+}
+
 class Builder {
  public:
   Builder(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log)
@@ -162,10 +167,6 @@ class Builder {
           (options_.panoramas.empty() ? options_.model : options_.panoramas).string());
     for (const PosedImage& image : model_.images)
       photographs_.push_back(findPhotograph(options_.photographs, image, options_.maxSize));
-    for (const PosedImage& image : model_.images)
-      check(image.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
-            "{}: is a panorama; cells of panoramas cannot be built yet (all {} images were read and checked)",
-            image.name, model_.images.size());
     refine_ = reprojectionError(model_) > kExactPx;
     plan_ = planCells(model_, options_);
     report_.dropped.insert(report_.dropped.end(), plan_.dropped.begin(), plan_.dropped.end());
@@ -178,7 +179,8 @@ class Builder {
            [&](std::size_t i) { hashes_[i] = storePhotograph(photographs_[i], options_.output); });
     for (const Photograph& photo : photographs_)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile});
-    scene_.acquisition = plan_.ordered ? "ordered" : "unordered";
+    const bool panoramic = std::ranges::all_of(photographs_, isPanorama);
+    scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(R"({{"dimension":{},"maxSize":{},"thetaDegrees":{},"seed":{},"refine":{}}})",
                                   options_.dimension, options_.maxSize, options_.thetaDegrees, options_.seed, refine_);
   }
@@ -223,18 +225,27 @@ class Builder {
     bool resumed = false;
   };
 
-  Made makeCell(const std::vector<std::uint32_t>& members) const {
-    const auto start = Clock::now();
-    const std::vector<glm::dvec3> points = pointsOf(members);
-    const std::uint64_t key = keyOf(members, points);
-    if (auto kept = fetchCell(keep(), key)) return {std::move(*kept), secondsSince(start), true};
+  CellMesh pinholes(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points) const {
     std::vector<MatchView> views;
     std::vector<Camera> stored;
     for (const std::uint32_t i : members) {
       views.push_back(viewOf(photographs_[i]));
       stored.push_back(photographs_[i].camera);
     }
-    Made made{buildMesh(stored, views, matchViews(views, points, {refine_})), 0, false};
+    return buildMesh(stored, views, matchViews(views, points, {refine_}));
+  }
+  CellMesh panoramas(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points) const {
+    std::vector<PanoramaView> views;
+    for (const std::uint32_t i : members) views.push_back({photographs_[i].camera, loadPhotograph(photographs_[i])});
+    return panoramaCell(views, points, {refine_});
+  }
+
+  Made makeCell(const std::vector<std::uint32_t>& members) const {
+    const auto start = Clock::now();
+    const std::vector<glm::dvec3> points = pointsOf(members);
+    const std::uint64_t key = keyOf(members, points);
+    if (auto kept = fetchCell(keep(), key)) return {std::move(*kept), secondsSince(start), true};
+    Made made{isPanorama(photographs_[members[0]]) ? panoramas(members, points) : pinholes(members, points), 0, false};
     storeCell(keep(), key, made.cell);
     made.seconds = secondsSince(start);
     return made;

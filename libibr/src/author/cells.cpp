@@ -146,10 +146,14 @@ class Planner {
     return result;
   }
 
+  // It looks everywhere.
+  bool isPanorama(std::uint32_t i) const { return cameras_[i].intrinsics.model == CameraModel::equirectangular; }
+
   std::vector<std::uint32_t> groupAround(std::uint32_t seed) const {
     std::map<std::uint32_t, std::pair<double, std::uint32_t>> best;  // of each spot: angle, image
     for (std::uint32_t i = 0; i < cameras_.size(); ++i) {
-      const double angle = i == seed ? -1.0 : angleBetween(axis_[seed], axis_[i]);
+      if (isPanorama(i) != isPanorama(seed)) continue;
+      const double angle = i == seed ? -1.0 : isPanorama(i) ? 0.0 : angleBetween(axis_[seed], axis_[i]);
       if (angle > std::min(theta_[seed], theta_[i])) continue;
       const auto [at, added] = best.emplace(spot_[i], std::pair(angle, i));
       if (!added) at->second = std::min(at->second, std::pair(angle, i));
@@ -212,9 +216,10 @@ class Planner {
       for (std::size_t b = a + 1; b < simplex.size(); ++b) {
         const std::uint32_t i = simplex[a], j = simplex[b];
         const double angle = angleBetween(axis_[i], axis_[j]), limit = std::min(theta_[i], theta_[j]);
-        if (angle > limit)
+        if (angle > limit && !isPanorama(i))
           return fmt::format("{} and {} look {:.0f}° apart, more than {:.0f}°", name(i), name(j), glm::degrees(angle),
                              glm::degrees(limit));
+        if (model_.tracks.empty()) continue;
         const std::uint32_t count = shared(i, j), poorer = std::min(seen_[i], seen_[j]);
         if (count < kLeastShared || count < kLeastSharedShare * poorer)
           return fmt::format("{} and {} share {} points of {}; {} and {:.0f} % are needed", name(i), name(j), count,

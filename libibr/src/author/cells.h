@@ -3,11 +3,10 @@
 //
 //   1. spots: photographs from one place (spots.h)
 //   2. groups: for each photograph those that look within θ of its direction, the best one of each spot; groups
-//   overlap,
-//      because disjoint ones cut rigs whose direction changes slowly
+//      overlap, because disjoint ones cut rigs whose direction changes slowly; all panoramas are one group
 //   3. rank of a group: line, plane or space, by the spread of its places; Delaunay in that rank
 //   4. a simplex becomes a cell if its axes agree within θ, it is no sliver and every pair of members shares enough
-//      tracks; else its faces may, else its edges
+//      tracks, where there are any; else its faces may, else its edges
 //   5. drop what another cell of the group covers
 #pragma once
 
