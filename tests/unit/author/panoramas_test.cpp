@@ -10,6 +10,7 @@
 #include "ibr/author.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
+#include "scene/synthetic.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -192,9 +193,12 @@ TEST_CASE("COLMAP models with EQUIRECTANGULAR cameras, text and binary") {
   CHECK_THROWS_WITH(binary(-1), Contains("MODEL -1 of camera 1 is not known"));
 }
 
-TEST_CASE("build reads panoramas, finds their pictures, and says that it cannot make cells of them yet") {
+TEST_CASE("build finds the pictures of panoramas, and makes one cell of three") {
   const test::TemporaryFolder folder;
-  writeFile(folder / "panoramas.json", kFile);
+  writeFile(folder / "panoramas.json", R"({"width": 256, "height": 128, "panoramas": [
+    {"name": "images/a.png", "position": [0, 0, 0], "q_world_to_camera_wxyz": [1, 0, 0, 0]},
+    {"name": "images/b.png", "position": [1, 0, 0], "q_world_to_camera_wxyz": [0, 0, 1, 0]},
+    {"name": "images/c.png", "position": [0.4, 0, 0.8], "q_world_to_camera_wxyz": [1, 0, 0, 0]}]})");
   BuildOptions options;
   options.photographs = folder.path();
   options.panoramas = folder / "panoramas.json";
@@ -209,12 +213,24 @@ TEST_CASE("build reads panoramas, finds their pictures, and says that it cannot 
   };
   CHECK(codeAndMessage().first == ErrorCode::io);
   CHECK_THAT(codeAndMessage().second, Contains("images/a.png"));
+
+  SyntheticOptions room;
+  room.planes = roomPlanes({-3, -2, -3}, {4, 2, 4}, 0.5);
+  room.surfaceStep = 2;
+  const PosedModel model = readPanoramas(options.panoramas);
+  for (const PosedImage& image : model.images) room.cameras.push_back(image.camera);
+  const SyntheticScene truth = makeScene(room);
   fs::create_directories(folder / "images");
-  for (const char* name : {"a", "b", "c"})
-    writeImage(folder / "images" / (std::string(name) + ".png"), Image8(64, 32, 3, 90));
-  CHECK(codeAndMessage().first == ErrorCode::unsupported);
-  CHECK_THAT(codeAndMessage().second, Contains("images/a.png: is a panorama") && Contains("3 images"));
-  CHECK_FALSE(fs::exists(folder / "scene"));
+  for (std::size_t i = 0; i < model.images.size(); ++i) writeImage(folder / model.images[i].name, truth.photographs[i]);
+  const BuildReport report = build(options);
+  CHECK(report.cells.size() == 1);
+  const Scene scene = loadScene(options.output);
+  CHECK(scene.acquisition == "panoramic");
+  REQUIRE(scene.cells.size() == 1);
+  CHECK(scene.cells[0].members.size() == 3);
+  CHECK(scene.cells[0].quality.coverage > 0.5);
+  CHECK(validateSceneFiles(options.output).empty());
+
   writeImage(folder / "images/b.png", Image8(64, 64, 3, 90));
   CHECK(codeAndMessage().first == ErrorCode::invalidInput);
 }
