@@ -124,7 +124,8 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
   };
   for (int tier = 0; tier <= std::min(plan.settings.lowestTier, 1); ++tier)
     for (const PlannedCell& c : cells)
-      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier == 0 ? c.view[view] : alone(c.best), c.opacity});
+      steps.push_back({scene, scene.cells[c.cell], plan, tier,
+                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity});
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (const std::uint32_t b : plan.backdrops)
       steps.push_back({scene, scene.backdrops[b], plan, kTierBackdrop, alone(0), 1});
@@ -274,11 +275,19 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
   return picture;
 }
 
+// What is drawn in the current order, those that leave at their places.
+std::vector<PlannedCell> drawn(const FramePlan& plan) {
+  std::vector<PlannedCell> cells = plan.cells;
+  for (std::size_t i = plan.leaving.size(); i-- > 0;)
+    cells.insert(cells.begin() + std::ptrdiff_t(plan.leaving[i].before), plan.leaving[i].planned);
+  return cells;
+}
+
 }  // namespace
 
 Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
                std::size_t view) {
-  Picture picture = canvas(scene, textures, plan, plan.cells, view);
+  Picture picture = canvas(scene, textures, plan, drawn(plan), view);
   const glm::dvec3 background(plan.settings.background);
   std::optional<Picture> former;
   if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view);

@@ -82,6 +82,21 @@ TEST_CASE("while a switch is mixed both orders show") {
   compareWithTwin(stage, plan);
 }
 
+TEST_CASE("cells that leave are drawn where they were, and a member that is replaced fades") {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}};
+  const Stage stage(testDevice(), makeScene(options));
+  FramePlan plan = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
+  REQUIRE(plan.cells.size() == 2);
+  PlannedCell gone = plan.cells[1];
+  gone.opacity = 0.6;
+  plan.leaving = {{gone, 0}, {plan.cells[0], 2}};
+  plan.cells[0].single = {0.25, 0.75, 0, 0};
+  compareWithTwin(stage, plan, 0.25, 0.1);
+  const FramePlan without = stage.plan(cameraAt({0.3, 0.2, 0.0}), withTiers());
+  CHECK(stage.render(plan) != stage.render(without));
+}
+
 TEST_CASE("both views of a stereo plan show what the twin computes, and what each would show alone") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera left = cameraAt({0.37, 0.25, 0.1}), right = cameraAt({0.43, 0.25, 0.1});

@@ -18,6 +18,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ibr/camera.h"
@@ -78,8 +79,10 @@ enum class AlphaContent : std::uint8_t {
 
 /// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
+inline constexpr std::uint32_t kLargestLeavingCount = 16;  // besides, for a moment after the order changed
 inline constexpr std::uint32_t kLargestBackdropCount = 64;
-inline constexpr std::uint32_t kColourSlotCount = 2 * kLargestCellCount;  // of a frame's cells and of those before it
+inline constexpr std::uint32_t kColourSlotCount =
+    2 * (kLargestCellCount + kLargestLeavingCount);  // of a frame's cells and of those before it
 
 struct RenderSettings {
   BlendMode blend = BlendMode::blend;
@@ -90,7 +93,8 @@ struct RenderSettings {
   std::uint32_t maxBackdrops = 12;  // likewise backdrops (tier 2)
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
-  double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long
+  double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long, and
+                                    // cells that change their place behind it fade for so long; 0: cuts
   int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
 
   ColourMapping colourMapping = ColourMapping::off;
@@ -134,25 +138,42 @@ struct PlannedCell {
     std::array<double, 4> blend{};     // λ̂ clamped and smoothstepped, sums to 1
     bool operator==(const View&) const = default;
   };
-  std::uint32_t cell = 0;            // index into Scene::cells
-  double extrapolationDistance = 0;  // world units, from the middle of the views; 0 inside ([T] §2.5.2)
-  double rotationalDistance = 0;     // radians, likewise
-  double opacity = 1;                // below 1 near the extrapolation limit
-  std::uint32_t best = 0;    // member with the greatest λ̂ in the middle of the views; tier 1 is drawn from it
-  std::array<View, 2> view;  // weights by view
+  std::uint32_t cell = 0;                       // index into Scene::cells
+  double extrapolationDistance = 0;             // world units, from the middle of the views; 0 inside ([T] §2.5.2)
+  double rotationalDistance = 0;                // radians, likewise
+  double opacity = 1;                           // below 1 near the extrapolation limit, and while the order changes
+  std::array<double, 4> single{};               // weights of tier 1: one member alone, but while that becomes another
+  std::array<View, 2> view;                     // weights by view
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
 };
 
+/// A cell as a frame shows it in its order.
+struct ShownCell {
+  std::uint32_t cell = 0;
+  double opacity = 1;    // of a fade after the order changed
+  bool leaving = false;  // it has another place by now, or none
+  bool operator==(const ShownCell&) const = default;
+};
+
 /// What a plan remembers of the frames before. Start from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;             // index of the last main cell, −1 if none
-  std::vector<std::uint32_t> order;       // cells of the last frame, best first
-  std::vector<std::uint32_t> former;      // cells before the last switch of the main cell, best first
+  std::int64_t mainCell = -1;         // index of the last main cell, −1 if none
+  std::vector<ShownCell> shown;       // in the last frame, best first
+  std::vector<std::uint32_t> hidden;  // cells that were in view and too many, ascending
+  std::vector<std::pair<std::uint32_t, std::array<double, 4>>> single;  // cells of the last frame, ascending, and
+                                                                        // PlannedCell::single
+  std::vector<ShownCell> former;          // before the last switch of the main cell, best first
   double secondsSinceSwitch = 0;          // of that switch
   std::vector<std::int64_t> colourSlots;  // cell of each slot, −1 if none
   double colourFade = 0;                  // seconds until the main cell's table is the identity
   int colourAge = 0;                      // frames since colours were counted
+};
+
+/// A cell that is drawn besides, because it had this place a moment ago.
+struct LeavingCell {
+  PlannedCell planned;
+  std::uint32_t before = 0;  // it is drawn before this one of FramePlan::cells, or after all of them
 };
 
 /// How tables move in this frame.
@@ -170,6 +191,7 @@ struct FramePlan {
   std::vector<Camera> views;
   RenderSettings settings;
   std::vector<PlannedCell> cells;        // best first; the first is the main cell
+  std::vector<LeavingCell> leaving;      // what is drawn besides, by place
   std::vector<std::uint32_t> backdrops;  // indices into Scene::backdrops, best first
   std::vector<PlannedCell> former;       // while a switch is mixed: what is drawn in the order before it; else empty
   double formerWeight = 0;               // of the picture of `former` in the mixture, 0 … 1
@@ -186,7 +208,8 @@ struct FramePlan {
 /// is one for all views, from the pose in their middle ([T] §2.5.4).
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
-/// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades.
+/// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes
+/// of the order behind the main cell: what changes its place fades there.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 

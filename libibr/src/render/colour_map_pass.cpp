@@ -173,7 +173,7 @@ void ColourMapPass::count(const FramePlan& plan, Renderer::Counters& counters) c
     ++counters.passes;
     ++counters.dispatches;
     for (const Step& step : steps.all())
-      if (step.tier == kTierAgrees) again(step);
+      if (step.tier == kTierAgrees && step.cell != kNoCell) again(step);
     return;
   }
   std::uint32_t made = std::min(frame.count, 1u);
@@ -225,7 +225,7 @@ void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, 
     cells_->bind(commands, layout_.get());
     for (std::uint32_t s = 0; s < steps.count; ++s) {
       const Step& step = steps.step[s];
-      if (step.tier != kTierAgrees) continue;
+      if (step.tier != kTierAgrees || step.cell == kNoCell) continue;
       const VkOffset2D origin{std::int32_t(step.cell % frame.tileColumns * frame.tileWidth),
                               std::int32_t(step.cell / frame.tileColumns * frame.tileHeight)};
       const VkViewport viewport{float(origin.x), float(origin.y), float(frame.tileWidth), float(frame.tileHeight), 0,

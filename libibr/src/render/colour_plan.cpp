@@ -15,6 +15,7 @@ void assignSlots(const PlanState& state, FramePlan& plan) {
   slots.assign(kColourSlotCount, kNobody);
   std::vector<PlannedCell*> drawn;
   for (PlannedCell& cell : plan.cells) drawn.push_back(&cell);
+  for (LeavingCell& cell : plan.leaving) drawn.push_back(&cell.planned);
   for (PlannedCell& cell : plan.former) drawn.push_back(&cell);
   const auto slotOf = [](const std::vector<std::int64_t>& all, const PlannedCell& cell) {
     return std::size_t(std::find(all.begin(), all.end(), std::int64_t(cell.cell)) - all.begin());
@@ -49,6 +50,7 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
   const bool ours = settings.colourMapping == ColourMapping::ours;
   if (!ours) {  // the paper's sequence has one order in one picture
     plan.former.clear();
+    plan.leaving.clear();
     plan.formerWeight = 0;
   }
   assignSlots(state, plan);

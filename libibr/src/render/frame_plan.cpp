@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which cells are drawn, in which order, with which weights ([T] §2.5.1 "clamping", §2.5.2). Pure.
 //
-// Departures: the former main cell is favoured a little, so that a camera on the border of two cells does not flicker;
+// Departures: a cell overtakes another only by a margin, so that a camera on the border of two cells does not flicker;
 // cells with equal keys are told apart by their members' positions, so that the order of cells in a file means nothing;
-// for two views one order is made from the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed.
+// for two views one order is made from the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other
+// changes fade (transition.h).
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <map>
+#include <optional>
 
 #include "base/check.h"
 #include "ibr/renderer.h"
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
 #include "render/culling.h"
+#include "render/transition.h"
 
 namespace ibr {
 namespace {
@@ -73,8 +78,10 @@ class Planner {
   FramePlan run() {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
     chooseCells();
+    fadeChanges();
     chooseBackdrops();
     mixSwitch();
+    rememberSingles();
     planColours(scene_, dt_, state_, plan_);
     return std::move(plan_);
   }
@@ -105,18 +112,76 @@ class Planner {
       planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
       planned.view[v].blend = smoothstep(weights.clamped);
     }
-    const Weights& clamped = fromMiddle.weights.clamped;
-    planned.best = std::uint32_t(std::max_element(clamped.begin(), clamped.end()) - clamped.begin());
+    planned.single = single(index, fromMiddle.weights.clamped);
     return planned;
   }
 
-  void chooseCells() {
-    struct Candidate {
-      PlannedCell planned;
-      bool kept;  // the main cell of the frame before, while its switch is mixed
-      double extrapolation, rotation;
-    };
-    std::vector<Candidate> candidates;
+  // The member with the greatest λ̂, which another one replaces only by a margin, and little by little.
+  Weights single(std::uint32_t cell, const Weights& clamped) const {
+    constexpr double kKeepWeight = 0.05;
+    const std::size_t best = std::size_t(std::max_element(clamped.begin(), clamped.end()) - clamped.begin());
+    Weights target{};
+    target[best] = 1;
+    const auto found = std::ranges::lower_bound(state_.single, cell, {}, [](const auto& entry) { return entry.first; });
+    if (found == state_.single.end() || found->first != cell || !(settings_.switchSeconds > 0)) return target;
+    const Weights& before = found->second;
+    const std::size_t shown = std::size_t(std::max_element(before.begin(), before.end()) - before.begin());
+    if (clamped[best] < clamped[shown] + kKeepWeight) {
+      target = {};
+      target[shown] = 1;
+    }
+    const double step = dt_ / settings_.switchSeconds;
+    Weights weights{};
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      sum += weights[i] = before[i] + std::clamp(target[i] - before[i], -step, step);
+    for (double& weight : weights) weight /= sum;
+    return weights;
+  }
+
+  void rememberSingles() {
+    std::map<std::uint32_t, Weights> drawn;
+    for (const PlannedCell& cell : plan_.cells) drawn[cell.cell] = cell.single;
+    for (const LeavingCell& cell : plan_.leaving) drawn[cell.planned.cell] = cell.planned.single;
+    for (const PlannedCell& cell : plan_.former) drawn[cell.cell] = cell.single;
+    plan_.next.single.assign(drawn.begin(), drawn.end());
+  }
+
+  struct Candidate {
+    PlannedCell planned;
+    double size;
+    std::int64_t rank;  // in the frame before; kNew if it was not drawn
+    double extrapolation() const { return planned.extrapolationDistance; }
+    double rotation() const { return planned.rotationalDistance; }
+  };
+  static constexpr std::int64_t kNew = std::numeric_limits<std::int64_t>::max();
+  static constexpr double kKeepDistance = 0.02;  // of a cell's size
+  static constexpr double kKeepAngle = 0.02;     // radians, about a degree
+
+  bool better(const Candidate& a, const Candidate& b) const {
+    if (a.extrapolation() != b.extrapolation()) return a.extrapolation() < b.extrapolation();
+    if (a.rotation() != b.rotation()) return a.rotation() < b.rotation();
+    return identity(scene_, scene_.cells[a.planned.cell]) < identity(scene_, scene_.cells[b.planned.cell]);
+  }
+  // By so much that their order changes.
+  bool clearlyBetter(const Candidate& a, const Candidate& b) const {
+    if (a.extrapolation() != b.extrapolation()) return a.extrapolation() + kKeepDistance * a.size < b.extrapolation();
+    return a.rotation() + kKeepAngle < b.rotation();
+  }
+  bool isMain(const Candidate& c) const { return std::int64_t(c.planned.cell) == state_.mainCell; }
+  bool precedes(const Candidate& a, const Candidate& b) const {
+    if (mixing_ && isMain(a) != isMain(b)) return isMain(a);  // until the switch to it is over
+    if (a.rank < b.rank && b.rank != kNew) return !clearlyBetter(b, a);
+    if (b.rank < a.rank && a.rank != kNew) return clearlyBetter(a, b);
+    if (a.rank == kNew && b.rank == kNew) return better(a, b);
+    return a.rank == kNew ? clearlyBetter(a, b) : !clearlyBetter(b, a);
+  }
+
+  std::vector<Candidate> candidates() {
+    std::map<std::uint32_t, std::int64_t> rank;
+    for (const ShownCell& shown : state_.shown)
+      if (!shown.leaving) rank.emplace(shown.cell, std::int64_t(rank.size()));
+    std::vector<Candidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
       const double size = bounds_.cells[c].size;
       const CellDistance distance = cellDistance(scene_, scene_.cells[c], size, middle_);
@@ -129,36 +194,82 @@ class Planner {
         ++plan_.culledByFrustum;
         continue;
       }
-      constexpr double kKeepDistance = 0.02;  // of the cell's size
-      constexpr double kKeepAngle = 0.02;     // radians, about a degree
-      const bool main = std::int64_t(c) == state_.mainCell;
-      candidates.push_back(
-          {cell, main && mixing_,
-           main ? std::max(0.0, distance.extrapolation - kKeepDistance * size) : distance.extrapolation,
-           distance.rotation - (main ? kKeepAngle : 0.0)});
+      const auto before = rank.find(c);
+      result.push_back({cell, size, before == rank.end() ? kNew : before->second});
     }
-    const auto better = [&](const Candidate& a, const Candidate& b) {
-      if (a.kept != b.kept) return a.kept;
-      if (a.extrapolation != b.extrapolation) return a.extrapolation < b.extrapolation;
-      if (a.rotation != b.rotation) return a.rotation < b.rotation;
-      return identity(scene_, scene_.cells[a.planned.cell]) < identity(scene_, scene_.cells[b.planned.cell]);
+    return result;
+  }
+
+  void chooseCells() {
+    std::vector<Candidate> all = candidates();
+    // Who is drawn: those before have a bonus, which keeps this a strict order. In which order: by insertion into that
+    // of the frame before, since margins between pairs make no strict order.
+    const auto key = [&](const Candidate& c) {
+      Candidate favoured = c;
+      if (c.rank != kNew) {
+        favoured.planned.extrapolationDistance = std::max(0.0, c.extrapolation() - kKeepDistance * c.size);
+        favoured.planned.rotationalDistance = c.rotation() - kKeepAngle;
+      }
+      return favoured;
     };
-    const std::size_t kept = std::min<std::size_t>({candidates.size(), settings_.maxCells, kLargestCellCount});
-    std::partial_sort(candidates.begin(), candidates.begin() + std::ptrdiff_t(kept), candidates.end(), better);
-    plan_.culledByCount = std::uint32_t(candidates.size() - kept);
-    for (std::size_t i = 0; i < kept; ++i) plan_.cells.push_back(candidates[i].planned);
+    std::ranges::sort(all, [&](const Candidate& a, const Candidate& b) {
+      if (mixing_ && isMain(a) != isMain(b)) return isMain(a);
+      return better(key(a), key(b));
+    });
+    const std::size_t kept = std::min<std::size_t>({all.size(), settings_.maxCells, kLargestCellCount});
+    plan_.culledByCount = std::uint32_t(all.size() - kept);
+    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hidden.push_back(all[i].planned.cell);
+    std::ranges::sort(plan_.next.hidden);
+    all.resize(kept);
+    std::ranges::stable_sort(all, {}, &Candidate::rank);
+    for (std::size_t i = 1; i < all.size(); ++i)
+      for (std::size_t j = i; j > 0 && precedes(all[j], all[j - 1]); --j) std::swap(all[j], all[j - 1]);
+    for (const Candidate& candidate : all) plan_.cells.push_back(candidate.planned);
+    if (!plan_.cells.empty()) plan_.next.mainCell = plan_.cells[0].cell;
     // Nothing nearer than this keeps its true depth (it is drawn all the same); scale-free, since COLMAP worlds are.
     if (!plan_.cells.empty()) plan_.nearDistance = 0.05 * bounds_.cells[plan_.cells[0].cell].size;
+  }
+
+  bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
+
+  // A cell that is drawn where the order before had it.
+  std::optional<PlannedCell> plannedAgain(const ShownCell& shown) const {
+    if (shown.cell >= scene_.cells.size()) return std::nullopt;  // another scene's state
+    const Cell& cell = scene_.cells[shown.cell];
+    const CellBounds& bounds = bounds_.cells[shown.cell];
+    PlannedCell again = planned(shown.cell, cellDistance(scene_, cell, bounds.size, middle_));
+    again.opacity *= shown.opacity;
+    if (!visible(cell, bounds, again)) return std::nullopt;
+    return again;
+  }
+
+  // What changes behind the main cell fades; a switch of it is mixed, which hides all other changes.
+  void fadeChanges() {
+    std::vector<std::uint32_t> order;
+    for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
+    const bool cut = switched() || !(settings_.switchSeconds > 0);
+    const WantedOrder wanted{order, [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hidden, cell); },
+                             [&](std::uint32_t cell) {
+                               return plannedAgain({cell, 1.0, false}).has_value();
+                             }};
+    plan_.next.shown = showCells(state_.shown, wanted, cut ? 1.0 : dt_ / settings_.switchSeconds);
+    std::uint32_t place = 0;
+    for (const ShownCell& shown : plan_.next.shown) {
+      if (!shown.leaving)
+        plan_.cells[place++].opacity *= shown.opacity;
+      else if (const auto leaving = plannedAgain(shown))
+        plan_.leaving.push_back({*leaving, place});
+    }
   }
 
   // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
   void chooseBackdrops() {
     if (settings_.lowestTier < kTierBackdrop) return;
-    struct Candidate {
+    struct Backdrop {
       std::uint32_t backdrop;
       double distance, angle;
     };
-    std::vector<Candidate> candidates;
+    std::vector<Backdrop> candidates;
     for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
       const Cell& backdrop = scene_.backdrops[b];
       const Pose& pose = scene_.nodes[backdrop.members[0]].camera.pose;
@@ -171,7 +282,7 @@ class Planner {
     }
     const std::size_t kept = std::min<std::size_t>({candidates.size(), settings_.maxBackdrops, kLargestBackdropCount});
     std::partial_sort(candidates.begin(), candidates.begin() + std::ptrdiff_t(kept), candidates.end(),
-                      [&](const Candidate& a, const Candidate& b) {
+                      [&](const Backdrop& a, const Backdrop& b) {
                         if (a.distance != b.distance) return a.distance < b.distance;
                         if (a.angle != b.angle) return a.angle < b.angle;
                         return identity(scene_, scene_.backdrops[a.backdrop]) <
@@ -184,21 +295,16 @@ class Planner {
 
   void mixSwitch() {
     PlanState& next = plan_.next;
-    if (!plan_.cells.empty()) next.mainCell = plan_.cells[0].cell;
-    for (const PlannedCell& cell : plan_.cells) next.order.push_back(cell.cell);
-    if (state_.mainCell >= 0 && next.mainCell != state_.mainCell && settings_.switchSeconds > 0) {
-      next.former = state_.order;  // the frame in which the switch happens still shows the former picture
+    if (switched() && settings_.switchSeconds > 0) {
+      next.former = state_.shown;  // the frame in which the switch happens still shows the former picture
       next.secondsSinceSwitch = 0;
     } else if (mixing_) {
       next.former = state_.former;
       next.secondsSinceSwitch = seconds_;
     }
     if (next.former.empty()) return;
-    for (const std::uint32_t c : next.former) {
-      if (c >= scene_.cells.size()) continue;  // another scene's state
-      PlannedCell cell = planned(c, cellDistance(scene_, scene_.cells[c], bounds_.cells[c].size, middle_));
-      if (visible(scene_.cells[c], bounds_.cells[c], cell)) plan_.former.push_back(cell);
-    }
+    for (const ShownCell& shown : next.former)
+      if (const auto cell = plannedAgain(shown)) plan_.former.push_back(*cell);
     const double share = next.secondsSinceSwitch / settings_.switchSeconds;
     plan_.formerWeight = 1.0 - share * share * (3.0 - 2.0 * share);
   }

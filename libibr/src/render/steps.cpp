@@ -10,25 +10,38 @@ PlannedCell::View alone(std::uint32_t member) noexcept {
   return weights;
 }
 
+// Calls `visit` with every cell of the order and its number, those that leave between them.
+template <class Visit>
+void forCells(const FramePlan& plan, Order order, Visit&& visit) {
+  const std::vector<PlannedCell>& cells = order == Order::current ? plan.cells : plan.former;
+  std::size_t left = order == Order::current ? 0 : plan.leaving.size();
+  for (std::size_t c = 0; c <= cells.size(); ++c) {
+    for (; left < plan.leaving.size() && plan.leaving[left].before <= c; ++left)
+      visit(plan.leaving[left].planned, kNoCell);
+    if (c < cells.size()) visit(cells[c], std::uint32_t(c));
+  }
+}
+
 }  // namespace
 
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept {
   Steps steps;
   const auto add = [&](const GpuScene::State::Mesh& mesh, Tier tier, const PlannedCell::View& weights, double opacity,
-                       std::size_t cell, std::uint32_t table) {
+                       std::uint32_t cell, std::uint32_t table) {
     const GpuScene::State::Range& range = mesh.tier[tier == kTierRejected];
-    if (range.indexCount > 0)
-      steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), std::uint32_t(cell), table};
+    if (range.indexCount > 0) steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table};
   };
-  const std::vector<PlannedCell>& cells = order == Order::current ? plan.cells : plan.former;
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    add(scene.cells[cells[c].cell], kTierAgrees, cells[c].view[view], cells[c].opacity, c, cells[c].colourSlot);
+  forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
+    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot);
+  });
   if (plan.settings.lowestTier >= kTierRejected)
-    for (std::size_t c = 0; c < cells.size(); ++c)
-      add(scene.cells[cells[c].cell], kTierRejected, alone(cells[c].best), cells[c].opacity, c, cells[c].colourSlot);
+    forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
+      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot);
+    });
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      add(scene.backdrops[plan.backdrops[b]], kTierBackdrop, alone(0), 1.0, b, plan.colour.backdropSlots[b]);
+      add(scene.backdrops[plan.backdrops[b]], kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
+          plan.colour.backdropSlots[b]);
   return steps;
 }
 

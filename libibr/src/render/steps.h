@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2)
+//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2);
+//   cells that leave at the places that they had
 #pragma once
 
 #include <array>
@@ -13,7 +14,10 @@
 
 namespace ibr {
 
-inline constexpr std::uint32_t kLargestStepCount = 2 * kLargestCellCount + kLargestBackdropCount;
+inline constexpr std::uint32_t kLargestStepCount =
+    2 * (kLargestCellCount + kLargestLeavingCount) + kLargestBackdropCount;
+
+inline constexpr std::uint32_t kNoCell = ~0u;
 
 struct Step {
   const GpuScene::State::Mesh* mesh;
@@ -21,7 +25,7 @@ struct Step {
   PlannedCell::View weights;  // tier 0 as planned; else one member alone, so that what disagrees cannot ghost
   Tier tier;
   float opacity;
-  std::uint32_t cell;   // among the planned cells (tiers 0 and 1) or backdrops
+  std::uint32_t cell;   // among the planned cells (tiers 0 and 1) or backdrops; kNoCell for one that leaves
   std::uint32_t table;  // colour slot
 };
 

@@ -91,7 +91,9 @@ TEST_CASE("the main cell holds the camera and looks its way; the rest follow by 
   }
   for (const PlannedCell& cell : plan.cells) {
     CHECK(std::accumulate(cell.view[0].blend.begin(), cell.view[0].blend.end(), 0.0) == Approx(1).epsilon(1e-15));
-    CHECK(cell.view[0].blend[cell.best] >= *std::max_element(cell.view[0].blend.begin(), cell.view[0].blend.end()));
+    const auto best =
+        std::max_element(cell.view[0].blend.begin(), cell.view[0].blend.end()) - cell.view[0].blend.begin();
+    CHECK(cell.single[std::size_t(best)] == 1);
   }
   CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
 }
