@@ -179,3 +179,31 @@ TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   CHECK(wrong.code == 3);
   CHECK_THAT(wrong.err, Contains("50×40") && Contains("192×144"));
 }
+
+TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's are counted") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  writeFile(folder / "still.json", std::string_view(R"({"version": 1, "size": [96, 72], "fps": 30, "keys": [
+    {"time": 0, "position": [0.3, 0, 0.1], "rotation": [0, 0, 0, 1], "fovY": 0.8},
+    {"time": 0.3, "position": [0.3, 0, 0.1], "rotation": [0, 0, 0, 1], "fovY": 0.8}]})"));
+  const auto still = runValidated({"walk", test::tinyScene(), "--poses", folder / "still.json", "--json", "-"});
+  REQUIRE(still.code == 0);
+  auto report = nlohmann::json::parse(still.out);
+  CHECK(report.at("frames").size() == 10);
+  CHECK(report.at("largestStep") == 0);
+  CHECK(report.at("switches") == 0);
+  CHECK(report.at("largestStepAtSwitch").is_null());
+
+  const auto moving = runValidated(
+      {"walk", test::tinyScene(), "--frames", "12", "--size", "96x72", "-o", folder / "worst", "--json", "-"});
+  REQUIRE(moving.code == 0);
+  report = nlohmann::json::parse(moving.out);
+  CHECK(report.at("medianStep") > 0);
+  CHECK(report.at("largestStep") >= report.at("medianStep"));
+  double tiers = 0;
+  for (const auto& share : report.at("frames").at(5).at("coverageTier")) tiers += double(share);
+  CHECK(tiers == Approx(double(report.at("frames").at(5).at("coverage"))));
+  const Image8 worst = readImage(folder / "worst/largest_step.png");
+  CHECK((worst.width == 3 * 96 && worst.height == 72));
+  CHECK(runValidated({"walk", test::tinyScene(), "--frames", "1"}).code == 1);
+}
