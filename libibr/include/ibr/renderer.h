@@ -99,10 +99,10 @@ struct RenderSettings {
 
   ColourMapping colourMapping = ColourMapping::off;
   ColourTable colourTable = ColourTable::preserving;
-  double colourSamples = 0.5;              // share of the pixels of an overlap that are counted, chosen by blue noise
-  std::uint32_t colourLeastSamples = 256;  // below it a table is the identity, from twice that on it counts in full
-  int colourProxy = 8;   // ours: a proxy pixel every so many pixels in x and y, at least 1; more where the cells'
-                         // tiles would not fit into the canvas
+  double colourSamples = 1.0;             // share of the pixels of an overlap that are counted, chosen by blue noise
+  std::uint32_t colourLeastSamples = 64;  // below it a table is the identity, from twice that on it counts in full
+  int colourProxy = 8;   // ours: a proxy pixel every so many pixels in x and y, at least 1; fewer where too few pixels
+                         // would remain, more where the cells' tiles would not fit into the canvas
   int colourPeriod = 8;  // ours: frames from one count to the next; a new cell is counted at once
   double colourFadeSeconds = 1.0;     // a new main cell's table takes so long to the identity
   double colourSmoothSeconds = 0.15;  // ours: time constant with which tables follow what is measured

@@ -145,8 +145,12 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
     frame.owner[k] = plan.cells[k].cell + 1;
     frame.fresh[k] = plan.cells[k].colourFresh;
   }
+  // Small pictures would leave too few pixels to trust a table.
+  constexpr double kEnoughPixels = 20'000;
+  const double pixels = double(extent.width) * double(extent.height);
+  const int most = std::max(1, int(std::sqrt(pixels / kEnoughPixels)));
   const auto largestDivisor = int(std::min(extent.width, extent.height));
-  for (int divisor = std::max(1, settings.colourProxy);
+  for (int divisor = std::clamp(settings.colourProxy, 1, most);
        plan.colour.counted && divisor <= largestDivisor && !frame.measured; ++divisor) {
     frame.tileWidth = extent.width / std::uint32_t(divisor);
     frame.tileHeight = extent.height / std::uint32_t(divisor);
