@@ -9,6 +9,7 @@
 #include "batch/options.h"
 #include "batch/poses.h"
 #include "batch/progress.h"
+#include "batch/settings.h"
 #include "batch/table.h"
 #include "ibr/author.h"
 
@@ -173,6 +174,7 @@ const Command kBuildCommand{
           ->type_name("FILE");
       addInt(app, "--max-size", options->build.maxSize, 0, 65536,
              "Longest side of stored photographs; 0 = as they are");
+      declareTextureFormat(app, options->build.texture);
       addChoice<int>(app, "--dimension", options->build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
                      "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
       return [options](const Context& context) { return buildScene(*options, context); };

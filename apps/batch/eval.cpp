@@ -31,6 +31,7 @@ struct Options {
   std::vector<std::string> views;
   bool leaveOneOut = false;
   RenderSettings settings;
+  GpuSceneOptions gpuScene;
 };
 
 struct Scores {
@@ -113,7 +114,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
     checkNamesDiffer(views);
     for (const View& view : views) pictureFile(options.output, view.name);
   }
-  SceneRenderer renderer(scene, views, colourSupport(options.settings), context);
+  SceneRenderer renderer(scene, views, options.gpuScene, colourSupport(options.settings), context);
   RenderSettings settings = options.settings;
   settings.alpha = AlphaContent::tier;
   settings.background = glm::vec3(0.0f);
@@ -154,7 +155,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
   context.report(Json{{"views", viewsJson},
                       {"mean", scoresJson(means)},
                       {"device", renderer.deviceName()},
-                      {"settings", settingsJson(settings)},
+                      {"settings", settingsJson(settings, options.gpuScene)},
                       {"scene", options.scene}}
                      .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
@@ -189,6 +190,7 @@ const Command kEvalCommand{
       auto* leaveOneOut = app.add_flag("--leave-one-out", options->leaveOneOut)->group("");
       truth->excludes(leaveOneOut);
       declareSettings(app, options->settings);
+      declareGpuScene(app, options->gpuScene);
       app.callback([options] {
         if (options->truth.empty() && !options->leaveOneOut) throw CLI::RequiredError("--truth");
       });

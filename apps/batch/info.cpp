@@ -12,6 +12,7 @@
 #include "batch/command.h"
 #include "batch/table.h"
 #include "ibr/renderer.h"
+#include "scene/memory_demand.h"
 
 namespace ibr::app {
 namespace {
@@ -23,28 +24,7 @@ struct Options {
   bool explain = false;
 };
 
-using Memory = GpuScene::Memory;
-
-std::uint64_t sum(const Memory& memory) {
-  return memory.positions + memory.indices + memory.textures;
-}
-
-// The renderer's layout without its alignment: 3d + 1 floats a vertex, three 32-bit indices a triangle, RGBA8 with
-// mips.
-Memory predictedMemory(const Scene& scene) {
-  Memory memory;
-  for (const Cell& cell : scene.cells) {
-    memory.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
-    memory.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
-  }
-  for (const Node& node : scene.nodes)
-    for (auto w = std::uint64_t(node.camera.intrinsics.width), h = std::uint64_t(node.camera.intrinsics.height);;
-         w = std::max<std::uint64_t>(1, w / 2), h = std::max<std::uint64_t>(1, h / 2)) {
-      memory.textures += 4 * w * h;
-      if (w == 1 && h == 1) break;
-    }
-  return memory;
-}
+using Memory = MemoryDemand;
 
 // By loading it. Not tried where the prediction says that the device could not hold it: a software device would take
 // the machine's memory instead.
@@ -55,13 +35,28 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
     const VkPhysicalDeviceMemoryProperties& properties = device.memoryProperties();
     for (std::uint32_t i = 0; i < properties.memoryHeapCount; ++i)
       largestHeap = std::max<std::uint64_t>(largestHeap, properties.memoryHeaps[i].size);
-    if (predicted <= largestHeap) return GpuScene(device, scene).memory();
+    if (predicted <= largestHeap) {
+      // As they are stored, which is what was predicted.
+      const GpuScene gpuScene(device, scene, {.blocks = BlockTextures::keep, .log = context.log()});
+      const GpuScene::Memory memory = gpuScene.memory();
+      return Memory{memory.positions, memory.indices, memory.textures};
+    }
     context.say(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
                 bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
   } catch (const Error& e) {
     context.say(LogLevel::info, "memory was not measured: {}", e.what());
   }
   return std::nullopt;
+}
+
+// RGBA8 where they cannot be read: info tells what it can of a scene that is not whole.
+std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context) {
+  try {
+    return textureFormats(scene);
+  } catch (const Error& e) {
+    context.say(LogLevel::warning, "textures are taken for RGBA8: {}", e.what());
+    return std::vector<TextureFormat>(scene.nodes.size(), TextureFormat::rgba8);
+  }
 }
 
 struct Summary {
@@ -114,8 +109,9 @@ std::vector<Stage> stagesOf(const Summary& summary) {
 ExitCode showScene(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
-  const Memory predicted = predictedMemory(scene);
-  const std::optional<Memory> measured = measuredMemory(scene, sum(predicted), context);
+  const std::vector<TextureFormat> formats = formatsOf(scene, context);
+  const Memory predicted = memoryDemand(scene, formats);
+  const std::optional<Memory> measured = measuredMemory(scene, predicted.sum(), context);
 
   Json report{{"scene", options.scene},
               {"acquisition", scene.acquisition},
@@ -148,6 +144,11 @@ ExitCode showScene(const Options& options, const Context& context) {
 
   context.print("photographs  {}", scene.nodes.size());
   for (const auto& [size, count] : summary.sizes) context.print(", {} of {}×{}", count, size.first, size.second);
+  std::map<TextureFormat, std::size_t> stored;
+  for (const TextureFormat format : formats) ++stored[format];
+  context.print("\ntextures    ");
+  for (const auto& [format, count] : stored)
+    context.print(" {} in {}{}", count, textureFormatName(format), format == stored.rbegin()->first ? "" : ",");
   context.print("\ncells        {}: {} lines, {} triangles, {} tetrahedra\n", scene.cells.size(),
                 summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
   context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
@@ -157,7 +158,7 @@ ExitCode showScene(const Options& options, const Context& context) {
     return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};
   };
   const auto memoryLine = [&](const char* label, const Memory& memory) {
-    context.print("{}{}: {} photographs, {} vertices, {} indices\n", label, bytesText(double(sum(memory))),
+    context.print("{}{}: {} photographs, {} vertices, {} indices\n", label, bytesText(double(memory.sum())),
                   bytesText(double(memory.textures)), bytesText(double(memory.positions)),
                   bytesText(double(memory.indices)));
   };

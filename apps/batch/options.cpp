@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace ibr::app {
 
 std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high) {
@@ -35,6 +37,28 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
           name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
           fmt::format("{} [{}]", description, value))
       ->type_name("X");
+}
+
+std::uint64_t parsedBytes(const std::string& option, const std::string& text) {
+  std::string digits = text;
+  double unit = 1;
+  const std::string letters = "KMG";
+  if (const auto letter = digits.empty() ? std::string::npos : letters.find(digits.back());
+      letter != std::string::npos) {
+    unit = std::exp2(10.0 * double(letter + 1));
+    digits.pop_back();
+  }
+  const auto value = parseDouble(digits);
+  if (!value || *value * unit < 1 || *value * unit > 1e15)
+    throw CLI::ValidationError(option, fmt::format("'{}' is not a number of bytes such as 800M or 1.5G", text));
+  return std::uint64_t(*value * unit);
+}
+
+CLI::Option* addBytes(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& description) {
+  return app
+      .add_option_function<std::string>(
+          name, [name, &value](const std::string& text) { value = parsedBytes(name, text); }, description)
+      ->type_name("BYTES");
 }
 
 CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, const std::string& description) {

@@ -20,6 +20,10 @@ CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low,
 CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, double low, double high,
                        const std::string& description);
 
+/// A number of bytes, at least 1, with K, M or G for 2^10, 2^20 or 2^30 of them: 1500000, 800M, 1.5G.
+std::uint64_t parsedBytes(const std::string& option, const std::string& text);
+CLI::Option* addBytes(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& description);
+
 /// WxH, as in 1280x720.
 struct PictureSize {
   int width = 0, height = 0;  // 0: not given

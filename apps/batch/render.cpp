@@ -28,6 +28,7 @@ struct Options {
   int autoFrames = 0;  // 0: not asked for
   PictureSize size;
   RenderSettings settings;
+  GpuSceneOptions gpuScene;
 };
 
 ExitCode renderViews(const Options& options, const Context& context) {
@@ -39,7 +40,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
 
-  SceneRenderer renderer(scene, views, colourSupport(options.settings), context);
+  SceneRenderer renderer(scene, views, options.gpuScene, colourSupport(options.settings), context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
   Json written = Json::array();
   PlanState walk;
@@ -60,7 +61,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   context.print("{} pictures in {}\n", views.size(), options.output);
   context.report(Json{{"views", written},
                       {"device", renderer.deviceName()},
-                      {"settings", settingsJson(options.settings)},
+                      {"settings", settingsJson(options.settings, options.gpuScene)},
                       {"scene", options.scene}}
                      .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
@@ -102,6 +103,7 @@ const Command kRenderCommand{
           ->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
       declareSettings(app, options->settings);
+      declareGpuScene(app, options->gpuScene);
       app.callback([options] {
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
       });

@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "base/check.h"
+#include "gpu/submit.h"
 
 namespace ibr::app {
 namespace {
@@ -20,12 +21,28 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour,
-                             const Context& context)
+GpuSceneOptions withLog(GpuSceneOptions options, const Context& context) {
+  options.log = context.log();
+  return options;
+}
+
+void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame) {
+  if (!gpuScene.streams()) return;
+  GpuScene::Streamed streamed;
+  do {
+    const std::uint64_t completed = frame++;
+    submitAndWait(device,
+                  [&](VkCommandBuffer commands) { streamed = gpuScene.stream(commands, plan, frame, completed); });
+    check(streamed.failed == 0, ErrorCode::io, "{} photographs of this view could not be read", streamed.failed);
+  } while (streamed.waiting > 0);
+}
+
+SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,
+                             ColourSupport colour, const Context& context)
     : scene_(scene),
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
-      gpuScene_(device_, scene),
+      gpuScene_(device_, scene, withLog(gpuScene, context)),
       renderer_(device_, gpuScene_, {.largest = largestOf(views), .colour = colour}) {}
 
 Offscreen& SceneRenderer::offscreen(int width, int height) {
@@ -44,6 +61,7 @@ SceneRenderer::Picture SceneRenderer::render(const Camera& view, const RenderSet
   const auto begin = std::chrono::steady_clock::now();
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings, dtSeconds}, state);
   state = plan.next;
+  streamAll(device_, gpuScene_, plan, frame_);
   Picture picture;
   picture.image =
       output.render([&](VkCommandBuffer commandBuffer) { renderer_.record(commandBuffer, plan, output.target()); });

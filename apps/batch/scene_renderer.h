@@ -12,10 +12,17 @@
 
 namespace ibr::app {
 
+GpuSceneOptions withLog(GpuSceneOptions options, const Context& context);
+
+/// Submits streaming until all photographs that the plan shows are there, if the budget has room for them. `frame` is
+/// the number of the last frame, all of them finished; it is raised. Throws Error{io} where photographs cannot be read.
+void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::uint64_t& frame);
+
 class SceneRenderer {
  public:
   /// `views` are those that will be asked for: the largest sets the size of the canvas. The scene must outlive it.
-  SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour, const Context& context);
+  SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,
+                ColourSupport colour, const Context& context);
 
   struct Picture {
     Image8 image;             // RGBA
@@ -36,6 +43,7 @@ class SceneRenderer {
   GpuScene gpuScene_;
   Renderer renderer_;
   std::optional<Offscreen> offscreen_;
+  std::uint64_t frame_ = 0;
 };
 
 }  // namespace ibr::app

@@ -69,7 +69,32 @@ const char* wordOf(ColourMapping mapping) {
   return "";
 }
 
-nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
+void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
+  addBytes(app, "--vram-budget", options.budgetBytes,
+           "Hold the scene in so many bytes of the device's memory (K, M, G for 2^10, 2^20, 2^30) and stream "
+           "photographs [no limit]");
+  addChoice<BlockTextures>(
+      app, "--blocks", options.blocks,
+      {{"auto", BlockTextures::automatic}, {"keep", BlockTextures::keep}, {"decode", BlockTextures::decode}},
+      "Textures in blocks (bc1, bc7) stay as they are, or become rgba8 [auto: that on software devices that have "
+      "the memory]");
+  addChoice<TextureFilter>(app, "--filter", options.filter,
+                           {{"auto", TextureFilter::automatic},
+                            {"bilinear", TextureFilter::bilinear},
+                            {"trilinear", TextureFilter::trilinear}},
+                           "Sample one mip level of a photograph, or two [auto: one on software devices]");
+}
+
+void declareTextureFormat(CLI::App& app, TextureFormat& format) {
+  addChoice<TextureFormat>(
+      app, "--texture", format,
+      {{"rgba8", TextureFormat::rgba8}, {"bc1", TextureFormat::bc1}, {"bc7", TextureFormat::bc7}},
+      "How textures are stored: 4 bytes a pixel as they are, or 0.5 (bc1) or 1 (bc7) in blocks [rgba8]");
+}
+
+nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene) {
+  nlohmann::ordered_json budget;  // null: no limit
+  if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
   return {{"cells", settings.maxCells},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
@@ -83,7 +108,14 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
                           : settings.colourTable == ColourTable::strict ? "strict"
                                                                         : "preserving"},
           {"colourSamples", settings.colourSamples},
-          {"colourProxy", settings.colourProxy}};
+          {"colourProxy", settings.colourProxy},
+          {"vramBudget", budget},
+          {"blocks", gpuScene.blocks == BlockTextures::keep     ? "keep"
+                     : gpuScene.blocks == BlockTextures::decode ? "decode"
+                                                                : "auto"},
+          {"filter", gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
+                     : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
+                                                                   : "auto"}};
 }
 
 }  // namespace ibr::app

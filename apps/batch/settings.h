@@ -17,6 +17,12 @@ void declareSettings(CLI::App& app, RenderSettings& settings);
 /// Without --cells, --order and --colour, for a command that tries several of each.
 void declarePictureSettings(CLI::App& app, RenderSettings& settings);
 
+/// --vram-budget, --blocks and --filter, for all commands that put a scene on a device.
+void declareGpuScene(CLI::App& app, GpuSceneOptions& options);
+
+/// --texture, for commands that write textures.
+void declareTextureFormat(CLI::App& app, TextureFormat& format);
+
 /// Words of --colour, also of reports.
 inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
@@ -27,6 +33,6 @@ const char* wordOf(ColourMapping mapping);
 ColourSupport colourSupport(const RenderSettings& settings);
 
 /// The effective settings, each under the name of its option.
-nlohmann::ordered_json settingsJson(const RenderSettings& settings);
+nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
 }  // namespace ibr::app

@@ -39,6 +39,7 @@ struct Options {
   int autoFrames = 300;
   PictureSize size;
   RenderSettings settings;
+  GpuSceneOptions gpuScene;
 };
 
 struct Frame {
@@ -111,7 +112,7 @@ ExitCode walk(const Options& options, const Context& context) {
       options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                             : readViews(options.poses, options.size, context.log());
   const UnionOfViews photographs(scene);
-  SceneRenderer renderer(scene, views, colourSupport(options.settings), context);
+  SceneRenderer renderer(scene, views, options.gpuScene, colourSupport(options.settings), context);
   RenderSettings settings = options.settings;
   settings.alpha = AlphaContent::tier;
 
@@ -178,7 +179,7 @@ ExitCode walk(const Options& options, const Context& context) {
                       {"meanCoverageInside", summary.meanCoverageInside},
                       {"coverageTier", summary.tier},
                       {"device", renderer.deviceName()},
-                      {"settings", settingsJson(settings)},
+                      {"settings", settingsJson(settings, options.gpuScene)},
                       {"scene", options.scene}}
                      .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
@@ -210,6 +211,7 @@ const Command kWalkCommand{
       app.add_option("-o,--output", options->output, "Folder for the picture of the largest step")->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the path; else of the photographs]");
       declareSettings(app, options->settings);
+      declareGpuScene(app, options->gpuScene);
       return [options](const Context& context) { return walk(*options, context); };
     }};
 

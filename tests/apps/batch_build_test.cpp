@@ -87,6 +87,29 @@ TEST_CASE("build finds the model, says which, and reports") {
   }
 }
 
+TEST_CASE("textures in blocks take less of the disk and of the device") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  std::map<std::string, double> predicted;
+  std::map<std::string, std::uintmax_t> stored;
+  for (const std::string format : {"rgba8", "bc1", "bc7"}) {
+    const fs::path scene = folder / format;
+    REQUIRE(runProgram({"build", set.photographs, "-o", scene, "--texture", format, "-q"}).code == 0);
+    CHECK(runProgram({"validate", scene}).code == 0);
+    const auto info = runProgram({"info", scene, "--json", "-"});
+    REQUIRE(info.code == 0);
+    predicted[format] = nlohmann::json::parse(info.out).at("memory").at("predicted").at("textures");
+    stored[format] = fs::file_size(scene / "textures/a/0.png.ktx2");
+    CHECK_THAT(runProgram({"info", scene}).out, Contains("3 in " + format));
+    CHECK_THAT(readTextFile(scene / "scene.gltf"), Contains(format));
+  }
+  // Small levels take whole blocks.
+  CHECK(predicted["rgba8"] / predicted["bc7"] == Approx(4).epsilon(0.01));
+  CHECK(predicted["rgba8"] / predicted["bc1"] == Approx(8).epsilon(0.01));
+  CHECK(stored["bc1"] < stored["bc7"]);
+  CHECK(stored["bc7"] < stored["rgba8"]);
+}
+
 TEST_CASE("photographs can be left out by name or by a list") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());

@@ -207,3 +207,31 @@ TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's 
   CHECK((worst.width == 3 * 96 && worst.height == 72));
   CHECK(runValidated({"walk", test::tinyScene(), "--frames", "1"}).code == 1);
 }
+
+TEST_CASE("a budget for the device's memory is kept, and what it costs is said") {
+  if (!test::deviceIsThere()) return;
+  const auto info = test::runProgram({"info", test::tinyScene(), "--json", "-"});
+  REQUIRE(info.code == 0);
+  const auto memory = nlohmann::json::parse(info.out).at("memory").at("measured");
+  const auto meshes = memory.at("positions").get<std::uint64_t>() + memory.at("indices").get<std::uint64_t>();
+  const auto textures = memory.at("textures").get<std::uint64_t>();
+  const auto psnrWithin = [&](std::uint64_t budget, test::Outcome& outcome) {
+    outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().photographs, "--json", "-",
+                            "--vram-budget", std::to_string(budget)});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(outcome.out).at("mean").at("psnr").get<double>();
+  };
+  test::Outcome enough, little;
+  const double whole = psnrWithin(meshes + textures, enough), half = psnrWithin(meshes + textures * 3 / 4, little);
+  CHECK_THAT(enough.err, !Contains("budget"));
+  CHECK(nlohmann::json::parse(little.out).at("settings").at("vramBudget") == meshes + textures * 3 / 4);
+  CHECK_THAT(little.err, Contains("warning") && Contains("1/2 of their size"));
+  CAPTURE(half, whole);
+  CHECK(half < whole);
+  CHECK(half > whole - 6);
+  const auto none = test::runProgram(
+      {"render", test::tinyScene(), "--path", "auto:2", "-o", test::tinyFolder() / "no", "--vram-budget", "1K"});
+  CHECK(none.code == 4);
+  CHECK_THAT(none.err, Contains("a budget of 1024 bytes is too small") && Contains("meshes"));
+}

@@ -16,7 +16,7 @@ class HandmadeDevice {
   HandmadeDevice& operator=(const HandmadeDevice&) = delete;
   ~HandmadeDevice();
 
-  DeviceHandles handles() const { return {instance_, physicalDevice_, device_, queue_, queueFamily_, log_}; }
+  DeviceHandles handles() const { return {instance_, physicalDevice_, device_, queue_, queueFamily_, {}, log_}; }
 
  private:
   LogCallback log_;

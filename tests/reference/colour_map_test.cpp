@@ -64,8 +64,7 @@ class Passes {
   Passes(const SyntheticScene& place, std::uint32_t capacity = 0)
       : place_(place),
         bounds_(sceneBounds(place_.scene)),
-        scene_(testDevice(), place_.scene,
-               [&](const Scene&, std::size_t node) { return buildMips(place_.photographs[node]); }),
+        scene_(testDevice(), place_.scene, {.source = photographsOf(place_)}),
         canvas_(testDevice(), {640, 480}, ColourMapPass::canvasUse(ColourSupport::all)),
         tables_(testDevice(), capacity ? capacity : std::uint32_t(place_.scene.cells.size())),
         cells_(testDevice(), scene_, canvas_.renderPass(), 1, tables_.tables()),
@@ -320,8 +319,7 @@ TEST_CASE("whole frames: the seam goes, the main cell stays, a photograph comes 
 TEST_CASE("a still camera shows the same picture again and again, once tables have come to rest") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
-  GpuScene scene(testDevice(), place.scene,
-                 [&](const Scene&, std::size_t node) { return buildMips(place.photographs[node]); });
+  GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   for (ColourMapping mapping : {ColourMapping::ours, ColourMapping::paper}) {
     RenderSettings settings = mapped(mapping);
     settings.colourProxy = 2;
@@ -351,8 +349,7 @@ TEST_CASE("a still camera shows the same picture again and again, once tables ha
 TEST_CASE("on a switch of the main cell no picture differs much from the one before") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
-  GpuScene scene(testDevice(), place.scene,
-                 [&](const Scene&, std::size_t node) { return buildMips(place.photographs[node]); });
+  GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   const Renderer renderer(testDevice(), scene, {.largest = {160, 120}});
   Offscreen offscreen(testDevice(), {160, 120});
   RenderSettings settings = mapped(ColourMapping::ours);
@@ -395,8 +392,7 @@ TEST_CASE("on a switch of the main cell no picture differs much from the one bef
 TEST_CASE("two views share one table, whichever way") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
-  GpuScene scene(testDevice(), place.scene,
-                 [&](const Scene&, std::size_t node) { return buildMips(place.photographs[node]); });
+  GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   const Renderer renderer(testDevice(), scene, {.largest = {160, 120}, .views = 2, .colour = ColourSupport::all});
   for (ColourMapping mapping : {ColourMapping::ours, ColourMapping::paper, ColourMapping::paperRedraw}) {
     RenderSettings settings = mapped(mapping);
@@ -421,8 +417,7 @@ TEST_CASE("where all photographs agree, mapping changes next to nothing") {
 TEST_CASE("colour mapping costs what it declares, and nothing where there is nothing to adapt to") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
-  const TextureSource photographs = [&](const Scene&, std::size_t node) { return buildMips(place.photographs[node]); };
-  GpuScene scene(testDevice(), place.scene, photographs);
+  GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   const auto counters = [&](ColourSupport support, ColourMapping mapping) {
     const Renderer renderer(testDevice(), scene, {.largest = {160, 120}, .fill = false, .colour = support});
     return renderer.count(planFrame(place.scene, bounds, {{middle()}, mapped(mapping)}, {}));
@@ -445,8 +440,7 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   CHECK(ours.triangles == 2 * off.triangles - 1);
 
   const SyntheticScene one = exposures({{1, 1}});
-  GpuScene alone(testDevice(), one.scene,
-                 [&](const Scene&, std::size_t node) { return buildMips(one.photographs[node]); });
+  GpuScene alone(testDevice(), one.scene, {.source = photographsOf(one)});
   const Renderer renderer(testDevice(), alone, {.largest = {160, 120}, .fill = false, .colour = ColourSupport::all});
   Offscreen offscreen(testDevice(), {160, 120});
   Image8 unmapped;

@@ -18,8 +18,7 @@ namespace {
 std::vector<float> depthOf(const Stage& stage, const FramePlan& plan, DepthTarget convention) {
   const Camera& view = plan.views[0];
   const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
-  const GpuScene gpuScene(testDevice(), stage.scene(),
-                          [&](const Scene&, std::size_t n) { return stage.textures()[n]; });
+  const GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source(), .filter = TextureFilter::trilinear});
   const Renderer renderer(testDevice(), gpuScene, {.largest = extent, .depth = true});
   Offscreen offscreen(testDevice(), extent);
   const GpuImage image(testDevice(),

@@ -116,7 +116,7 @@ TEST_CASE("a picture with nothing in it shows the background") {
 
 TEST_CASE("a frame costs what it declares") {
   const Stage stage(testDevice(), makeScene(place(3)));
-  GpuScene gpuScene(testDevice(), stage.scene(), [&](const Scene&, std::size_t n) { return stage.textures()[n]; });
+  GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source()});
   const Renderer whole(testDevice(), gpuScene, {{320, 240}});
   const Renderer bare(testDevice(), gpuScene, {.largest = {320, 240}, .switchMixing = false, .fill = false});
   RenderSettings filling;

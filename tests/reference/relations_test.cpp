@@ -210,15 +210,14 @@ TEST_CASE("a recorded frame may be left unsubmitted, and a scene may be empty") 
 TEST_CASE("textures of the wrong size or number are refused with the photograph's name") {
   const SyntheticScene place = makeScene(test::place(2));
   auto refused = [&](auto change) {
-    CHECK_THROWS_WITH(GpuScene(testDevice(), place.scene,
-                               [&](const Scene&, std::size_t node) {
-                                 std::vector<Image8> levels = buildMips(place.photographs[node]);
-                                 if (node == 1) change(levels);
-                                 return levels;
-                               }),
-                      Catch::Contains("view1"));
+    const auto source = [&](const Scene&, std::size_t node, int firstLevel) {
+      Texture texture = smallerLevels(buildMips(place.photographs[node]), firstLevel);
+      if (node == 1) change(texture);
+      return texture;
+    };
+    CHECK_THROWS_WITH(GpuScene(testDevice(), place.scene, {.source = source}), Catch::Contains("view1"));
   };
-  refused([](auto& levels) { levels.pop_back(); });
-  refused([](auto& levels) { levels[1] = Image8(3, 3, 4); });
-  refused([](auto& levels) { levels[0] = Image8(levels[0].width, levels[0].height, 3); });
+  refused([](Texture& texture) { texture.levels.pop_back(); });
+  refused([](Texture& texture) { ++texture.width; });
+  refused([](Texture& texture) { texture.levels[0].pop_back(); });
 }

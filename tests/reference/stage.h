@@ -36,14 +36,21 @@ inline SyntheticOptions place(std::size_t members) {
   return options;
 }
 
+/// The photographs as they are. The place must outlive it.
+inline TextureSource photographsOf(const SyntheticScene& place) {
+  return [&place](const Scene&, std::size_t node, int firstLevel) {
+    return smallerLevels(buildMips(place.photographs[node]), firstLevel);
+  };
+}
+
 /// A scene on a device.
 class Stage {
  public:
-  Stage(Device& device, SyntheticScene place)
+  Stage(Device& device, SyntheticScene place, GpuSceneOptions options = {})
       : place_(std::move(place)),
         textures_(mipsOf(place_)),
         bounds_(sceneBounds(place_.scene)),
-        gpuScene_(device, place_.scene, [&](const Scene&, std::size_t node) { return textures_[node]; }),
+        gpuScene_(device, place_.scene, withTextures(std::move(options))),
         device_(&device) {}
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
@@ -51,6 +58,12 @@ class Stage {
   const Scene& scene() const { return place_.scene; }
   const SyntheticScene& place() const { return place_; }
   const std::vector<std::vector<Image8>>& textures() const { return textures_; }
+
+  /// Of the photographs, as they are. The stage must outlive it.
+  TextureSource source() const {
+    return
+        [this](const Scene&, std::size_t node, int firstLevel) { return smallerLevels(textures_[node], firstLevel); };
+  }
 
   FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
     return planFrame(place_.scene, bounds_, {{view}, settings});
@@ -81,6 +94,11 @@ class Stage {
   }
 
  private:
+  GpuSceneOptions withTextures(GpuSceneOptions options) const {
+    if (!options.source) options.source = source();
+    if (options.filter == TextureFilter::automatic) options.filter = TextureFilter::trilinear;  // as the twin has it
+    return options;
+  }
   static std::vector<std::vector<Image8>> mipsOf(const SyntheticScene& place) {
     std::vector<std::vector<Image8>> all;
     for (const Image8& photograph : place.photographs) all.push_back(buildMips(photograph));

@@ -10,6 +10,7 @@
 #include "ibr/camera.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 
@@ -55,9 +56,10 @@ struct BuildOptions {
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
-  double thetaDegrees = 0;            // largest angle between axes in a cell; 0 = half the smaller field of view
-  int threads = 0;                    // 0 = all cores
-  std::uint64_t seed = 1;             // same input, options and seed: same bytes
+  TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
+  double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
+  int threads = 0;          // 0 = all cores
+  std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };
 
 struct BuildReport {

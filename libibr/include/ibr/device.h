@@ -30,11 +30,12 @@ struct DeviceFeatures {
 
 /// What libibr needs of a device that it did not make, as data to merge into the caller's own create-infos.
 struct DeviceRequirements {
-  std::uint32_t apiVersion = 0;                    // of instance and device, at least
-  std::vector<std::string> instanceExtensions;     // required
-  std::vector<std::string> deviceExtensions;       // required
-  DeviceFeatures features;                         // VK_TRUE where required
-  VkQueueFlags queueFlags = 0;                     // of the one queue used
+  std::uint32_t apiVersion = 0;                 // of instance and device, at least
+  std::vector<std::string> instanceExtensions;  // required
+  std::vector<std::string> deviceExtensions;    // required
+  DeviceFeatures features;                      // VK_TRUE where required
+  DeviceFeatures optionalFeatures;              // VK_TRUE where libibr makes use of it if the device has it
+  VkQueueFlags queueFlags = 0;                  // of the one queue used
 };
 
 struct DeviceOptions {
@@ -42,7 +43,7 @@ struct DeviceOptions {
   bool validation = false;  // core + synchronisation validation; throws Error{unsupported} where the layer is missing
   std::vector<std::string> instanceExtensions;  // further ones, such as GLFW's surface extensions
   std::vector<std::string> deviceExtensions;    // further ones, such as VK_KHR_swapchain
-  LogCallback log;  // validation messages (errors and warnings) and the choice of device
+  LogCallback log;                              // validation messages (errors and warnings) and the choice of device
 };
 
 /// Borrowed handles; all stay the caller's. The device was made with everything that requirements() names.
@@ -52,6 +53,7 @@ struct DeviceHandles {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t queueFamily = 0;
+  DeviceFeatures optionalFeatures;  // VK_TRUE for those of requirements().optionalFeatures that were enabled
   LogCallback log;
 };
 
@@ -86,6 +88,8 @@ class Device {
   std::uint32_t queueFamily() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
+  /// Whether pictures in blocks (BC1, BC7) can be sampled: the feature textureCompressionBC, which is optional.
+  bool samplesBlocks() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
   /// How many messages the validation layer has sent so far (0 without validation). Tests demand 0.

@@ -6,6 +6,7 @@
 #include "ibr/conventions.h"
 #include "ibr/device.h"
 #include "ibr/error.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/image.h"
 #include "ibr/log.h"
 #include "ibr/metrics.h"
@@ -13,3 +14,4 @@
 #include "ibr/renderer.h"
 #include "ibr/scene.h"
 #include "ibr/target.h"
+#include "ibr/texture.h"

@@ -23,6 +23,7 @@
 
 #include "ibr/camera.h"
 #include "ibr/device.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
 #include "ibr/target.h"
@@ -212,32 +213,6 @@ struct FramePlan {
 /// of the order behind the main cell: what changes its place fades there.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
-
-/// A photograph's texture for the GPU: level 0 has the size of the node's intrinsics, RGBA8, each level half the last,
-/// down to 1×1. Called once a node, from the thread that makes the GpuScene.
-using TextureSource = std::function<std::vector<Image8>(const Scene& scene, std::size_t node)>;
-
-/// The device's copy of a scene: photographs as layers of array images, meshes in arena buffers, descriptor sets.
-/// Submits uploads on the device's queue and waits for them. Throws Error (io, outOfMemory, …).
-class GpuScene {
- public:
-  /// Without a source, textures are read from the nodes' textureFile.
-  GpuScene(Device& device, const Scene& scene, const TextureSource& source = {});
-  GpuScene(GpuScene&&) noexcept;
-  GpuScene& operator=(GpuScene&&) noexcept;
-  ~GpuScene();
-
-  struct Memory {
-    std::uint64_t positions = 0, indices = 0, textures = 0;  // bytes allocated
-  };
-  Memory memory() const noexcept;
-
-  struct State;
-  const State& state() const noexcept { return *state_; }
-
- private:
-  std::unique_ptr<State> state_;
-};
 
 struct RendererOptions {
   VkExtent2D largest{0, 0};  // of a picture

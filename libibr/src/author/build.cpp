@@ -176,13 +176,14 @@ class Builder {
     fs::create_directories(keep());
     hashes_.resize(photographs_.size());
     runAll("storing photographs", photographs_.size(), 64e6,
-           [&](std::size_t i) { hashes_[i] = storePhotograph(photographs_[i], options_.output); });
+           [&](std::size_t i) { hashes_[i] = storePhotograph(photographs_[i], options_.output, options_.texture); });
     for (const Photograph& photo : photographs_)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile});
     const bool panoramic = std::ranges::all_of(photographs_, isPanorama);
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
-    scene_.settings = fmt::format(R"({{"dimension":{},"maxSize":{},"thetaDegrees":{},"seed":{},"refine":{}}})",
-                                  options_.dimension, options_.maxSize, options_.thetaDegrees, options_.seed, refine_);
+    scene_.settings = fmt::format(
+        R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{}}})", options_.dimension,
+        options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed, refine_);
   }
 
   // Points that all members see; if they are few, those that two see.

@@ -79,7 +79,7 @@ Image8 loadPhotograph(const Photograph& photo) {
   return small;
 }
 
-std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene) {
+std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
   const std::vector<std::byte> source = readFile(photo.source);
   const fs::path image = scene / photo.imageFile, texture = scene / photo.textureFile;
   fs::create_directories(image.parent_path());
@@ -89,7 +89,7 @@ std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene) {
     writeFile(image, source);
   else
     writeImage(image, picture, kJpegQuality);
-  writeKtx2(texture, buildMips(picture));
+  writeKtx2(texture, encodeTexture(buildMips(picture), format));
   Hash hash;
   hash.add(source);
   return hash.value();

@@ -10,6 +10,7 @@
 #include "ibr/author.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
+#include "ibr/texture.h"
 
 namespace ibr {
 
@@ -31,8 +32,8 @@ Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage&
 /// The picture as it is stored (RGB), from its source.
 Image8 loadPhotograph(const Photograph& photograph);
 
-/// Writes the picture and its texture below `scene`. Returns a hash of the source file's bytes.
-std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene);
+/// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes.
+std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
 
 /// Pictures below `folder`, by name relative to it (with '/'), sorted.
 std::vector<std::string> listPictures(const std::filesystem::path& folder);

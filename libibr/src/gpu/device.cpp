@@ -40,6 +40,7 @@ struct Device::State {
   std::uint32_t queueFamily = 0;
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
+  DeviceFeatures features;  // enabled, as far as is known of an adopted device
   std::string name;
 };
 
@@ -59,13 +60,16 @@ Device Device::create(const DeviceOptions& options) {
   std::vector<const char*> extensions;
   for (const std::string& name : requirements.deviceExtensions) extensions.push_back(name.c_str());
   for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
+  DeviceFeatures features = requirements.features;
+  addOptionalFeatures(state->physicalDevice, features);
+  state->features = features;
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                           .queueFamilyIndex = state->queueFamily,
                                           .queueCount = 1,
                                           .pQueuePriorities = &priority};
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                .pNext = requirements.features.link(),
+                                .pNext = features.link(),
                                 .queueCreateInfoCount = 1,
                                 .pQueueCreateInfos = &queueInfo,
                                 .enabledExtensionCount = std::uint32_t(extensions.size()),
@@ -98,6 +102,7 @@ Device Device::adopt(const DeviceHandles& handles) {
   state->device = handles.device;
   state->queue = handles.queue;
   state->queueFamily = handles.queueFamily;
+  state->features = handles.optionalFeatures;
   state->describeDevice();
   state->messages.send(LogLevel::info, fmt::format("Vulkan device, adopted: {}", state->name));
   return Device(std::move(state));
@@ -141,6 +146,9 @@ const VkPhysicalDeviceProperties& Device::properties() const noexcept {
 }
 const VkPhysicalDeviceMemoryProperties& Device::memoryProperties() const noexcept {
   return state_->memory;
+}
+bool Device::samplesBlocks() const noexcept {
+  return state_->features.core.features.textureCompressionBC;
 }
 std::string Device::name() const {
   return state_->name;

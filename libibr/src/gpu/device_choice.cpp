@@ -34,6 +34,12 @@ constexpr Feature kFeatures[]{
     {"dynamicRendering", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan13.dynamicRendering; }},
 };
 
+// Used where they are there; each says what happens without.
+constexpr Feature kOptionalFeatures[]{
+    // Textures in BC1 and BC7 stay as they are; otherwise they are decoded to RGBA8.
+    {"textureCompressionBC", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.textureCompressionBC; }},
+};
+
 std::string versionText(std::uint32_t version) {
   return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
                      VK_API_VERSION_PATCH(version));
@@ -119,7 +125,16 @@ DeviceRequirements Device::requirements() {
   requirements.apiVersion = VK_API_VERSION_1_3;
   requirements.queueFlags = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
   for (const Feature& feature : kFeatures) feature.of(requirements.features) = VK_TRUE;
+  for (const Feature& feature : kOptionalFeatures) feature.of(requirements.optionalFeatures) = VK_TRUE;
   return requirements;
+}
+
+void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features) {
+  DeviceFeatures has;
+  has.link();
+  vkGetPhysicalDeviceFeatures2(device, &has.core);
+  for (const Feature& feature : kOptionalFeatures)
+    if (feature.of(has)) feature.of(features) = VK_TRUE;
 }
 
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {

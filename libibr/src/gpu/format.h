@@ -8,8 +8,8 @@
 
 namespace ibr {
 
-/// Bytes of a texel; 0 for formats that are not ours or have none (compressed blocks).
-constexpr std::uint32_t texelBytes(VkFormat format) noexcept {
+/// Bytes of a texel, or of a block of blockSide² of them; 0 for formats that are not ours.
+constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
   switch (format) {
     case VK_FORMAT_R8_UNORM:
     case VK_FORMAT_R8_UINT:
@@ -32,13 +32,24 @@ constexpr std::uint32_t texelBytes(VkFormat format) noexcept {
     case VK_FORMAT_R16G16B16A16_SFLOAT:
     case VK_FORMAT_R32G32_UINT:
     case VK_FORMAT_R32G32_SFLOAT:
+    case VK_FORMAT_BC1_RGB_UNORM_BLOCK:
       return 8;
     case VK_FORMAT_R32G32B32A32_UINT:
     case VK_FORMAT_R32G32B32A32_SFLOAT:
+    case VK_FORMAT_BC7_UNORM_BLOCK:
       return 16;
     default:
       return 0;
   }
+}
+
+constexpr std::uint32_t blockSide(VkFormat format) noexcept {
+  return format == VK_FORMAT_BC1_RGB_UNORM_BLOCK || format == VK_FORMAT_BC7_UNORM_BLOCK ? 4 : 1;
+}
+
+/// Blocks that a row or a column of so many texels takes.
+constexpr std::uint32_t blockCount(VkFormat format, std::uint32_t texels) noexcept {
+  return (texels + blockSide(format) - 1) / blockSide(format);
 }
 
 }  // namespace ibr

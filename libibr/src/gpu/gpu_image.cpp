@@ -13,10 +13,11 @@ namespace ibr {
 namespace {
 
 std::uint64_t leastBytes(const GpuImageInfo& info) {
-  std::uint64_t texels = 0;
+  std::uint64_t blocks = 0;
   for (std::uint32_t level = 0; level < info.mipLevels; ++level)
-    texels += std::uint64_t(std::max(1u, info.extent.width >> level)) * std::max(1u, info.extent.height >> level);
-  return texels * info.layers * texelBytes(info.format);
+    blocks += std::uint64_t(blockCount(info.format, std::max(1u, info.extent.width >> level))) *
+              blockCount(info.format, std::max(1u, info.extent.height >> level));
+  return blocks * info.layers * blockBytes(info.format);
 }
 
 void checkSupport(const Device& device, const GpuImageInfo& info, std::string_view name) {
@@ -40,9 +41,7 @@ void checkSupport(const Device& device, const GpuImageInfo& info, std::string_vi
         "{}: {} bytes, more than the {} that an image of {} can have", name, bytes, can.maxResourceSize, device.name());
 }
 
-}  // namespace
-
-GpuImage::GpuImage(const Device& device, const GpuImageInfo& info, std::string_view name) : info_(info) {
+ImageHandle makeImage(const Device& device, const GpuImageInfo& info, std::string_view name) {
   assert(info.extent.width > 0 && info.extent.height > 0 && info.layers > 0 && info.mipLevels > 0);
   checkSupport(device, info, name);
   const VkImageCreateInfo imageInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -54,11 +53,22 @@ GpuImage::GpuImage(const Device& device, const GpuImageInfo& info, std::string_v
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
                                     .tiling = VK_IMAGE_TILING_OPTIMAL,
                                     .usage = info.usage};
-  image_ = make<ImageHandle>(device, vkCreateImage, imageInfo, "vkCreateImage");
+  return make<ImageHandle>(device, vkCreateImage, imageInfo, "vkCreateImage");
+}
+
+VkMemoryRequirements requirementsOf(const Device& device, VkImage image) {
+  VkMemoryRequirements requirements;
+  vkGetImageMemoryRequirements(device.handle(), image, &requirements);
+  return requirements;
+}
+
+}  // namespace
+
+GpuImage::GpuImage(const Device& device, const GpuImageInfo& info, std::string_view name)
+    : info_(info), image_(makeImage(device, info, name)) {
   nameObject(device, VK_OBJECT_TYPE_IMAGE, image_.get(), name);
 
-  VkMemoryRequirements requirements;
-  vkGetImageMemoryRequirements(device.handle(), image_.get(), &requirements);
+  const VkMemoryRequirements requirements = requirementsOf(device, image_.get());
   memory_ = allocate(device, requirements, MemoryKind::device, name);
   allocated_ = requirements.size;
   vk(vkBindImageMemory(device.handle(), image_.get(), memory_.get(), 0), "vkBindImageMemory");
@@ -73,6 +83,11 @@ GpuImage::GpuImage(const Device& device, const GpuImageInfo& info, std::string_v
       .subresourceRange = {info.aspect, 0, VK_REMAINING_MIP_LEVELS, 0, VK_REMAINING_ARRAY_LAYERS}};
   view_ = make<ImageViewHandle>(device, vkCreateImageView, viewInfo, "vkCreateImageView");
   nameObject(device, VK_OBJECT_TYPE_IMAGE_VIEW, view_.get(), name);
+}
+
+VkDeviceSize allocationBytes(const Device& device, const GpuImageInfo& info, std::string_view name) {
+  const ImageHandle image = makeImage(device, info, name);
+  return requirementsOf(device, image.get()).size;
 }
 
 }  // namespace ibr

@@ -43,4 +43,8 @@ class GpuImage {
   VkDeviceSize allocated_ = 0;
 };
 
+/// What such an image would allocate, asked of the device without allocating. Throws as the constructor, but for lack
+/// of memory.
+VkDeviceSize allocationBytes(const Device& device, const GpuImageInfo& info, std::string_view name);
+
 }  // namespace ibr

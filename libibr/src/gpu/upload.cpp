@@ -32,8 +32,9 @@ void Uploader::image(const GpuImage& to, std::uint32_t layer, std::uint32_t leve
   assert(layer < to.info().layers && level < to.info().mipLevels);
   assert(extent.width == std::max(1u, to.info().extent.width >> level));
   assert(extent.height == std::max(1u, to.info().extent.height >> level));
-  const std::size_t rowBytes = std::size_t(extent.width) * texelBytes(to.info().format);
-  assert(rowBytes > 0 && rowBytes <= staging_.size() && bytes.size() == rowBytes * extent.height);
+  const std::size_t rowBytes = std::size_t(extent.width) * blockBytes(to.info().format);
+  assert(blockSide(to.info().format) == 1 && rowBytes > 0 && rowBytes <= staging_.size() &&
+         bytes.size() == rowBytes * extent.height);
   const VkImageSubresourceLayers subresource{to.info().aspect, level, layer, 1};
   const bool again = std::any_of(images_.begin(), images_.end(), [&](const ImagePiece& piece) {
     const VkImageSubresourceLayers& other = piece.region.imageSubresource;

@@ -26,9 +26,9 @@ class Uploader {
  public:
   explicit Uploader(const Device& device, VkDeviceSize stagingBytes = VkDeviceSize(32) << 20);
 
-  /// One level of one layer, whole: rows from the top, no padding; `extent` is the level's. It ends in use::kSampled
-  /// whatever it was before. Levels and layers that were never uploaded stay as they were (undefined in a new image)
-  /// and must not be read; they need no preparation.
+  /// One level of one layer, whole, in a format without blocks: rows from the top, no padding; `extent` is the
+  /// level's. It ends in use::kSampled whatever it was before. Levels and layers that were never uploaded stay as
+  /// they were (undefined in a new image) and must not be read; they need no preparation.
   void image(const GpuImage& to, std::uint32_t layer, std::uint32_t level, VkExtent2D extent,
              std::span<const std::byte> bytes);
   void buffer(const Buffer& to, VkDeviceSize offset, std::span<const std::byte> bytes);

@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstring>
+#include <span>
 #include <string_view>
 
 #include "base/check.h"
@@ -24,15 +26,36 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "fields are copied as they lie in memory");
 
-constexpr std::uint32_t kRgba8Unorm = 37, kRgba8Srgb = 43;  // VkFormat
 constexpr std::array<std::uint8_t, 12> kIdentifier{0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'};
-constexpr std::uint32_t kTexelBytes = 4;
 constexpr std::uint32_t kLargestSide = 1 << 16;  // as validate() has it for photographs
 constexpr std::uint32_t kMostLevels = 17;
 
+// What the file says of a format: Vulkan's numbers, and those of the Khronos Data Format Specification 1.3.
+struct FileFormat {
+  TextureFormat format;
+  std::uint32_t srgb, unorm;  // VkFormat; files that libibr writes say srgb
+  std::uint32_t colourModel;
+  std::uint32_t blockSide, blockBytes;
+};
+constexpr FileFormat kFormats[]{
+    {TextureFormat::rgba8, 43, 37, 1, 1, 4},
+    {TextureFormat::bc1, 132, 131, 128, 4, 8},
+    {TextureFormat::bc7, 146, 145, 134, 4, 16},
+};
+
+const FileFormat& formatOf(TextureFormat format) {
+  return *std::ranges::find(kFormats, format, &FileFormat::format);
+}
+
+const FileFormat* formatOf(std::uint32_t vkFormat) {
+  const auto* found =
+      std::ranges::find_if(kFormats, [&](const auto& f) { return f.srgb == vkFormat || f.unorm == vkFormat; });
+  return found == std::end(kFormats) ? nullptr : found;
+}
+
 struct Header {
   std::array<std::uint8_t, 12> identifier = kIdentifier;
-  std::uint32_t vkFormat = kRgba8Srgb, typeSize = 1;
+  std::uint32_t vkFormat = 0, typeSize = 1;
   std::uint32_t width = 0, height = 0, depth = 0, layers = 0, faces = 1, levels = 0, supercompression = 0;
   std::uint32_t descriptorOffset = 0, descriptorBytes = 0, keysOffset = 0, keysBytes = 0;
   std::uint64_t globalOffset = 0, globalBytes = 0;
@@ -44,13 +67,23 @@ struct Level {
 };
 static_assert(sizeof(Level) == 24);
 
-// Khronos Data Format Specification 1.3: the basic descriptor of RGBA8 with the sRGB transfer function.
-std::vector<std::uint32_t> formatDescriptor() {
-  constexpr std::uint32_t kChannels = 4, kBlockBytes = 24 + 16 * kChannels, kVersion = 2;
-  constexpr std::uint32_t kModelRgb = 1, kPrimariesBt709 = 1, kTransferSrgb = 2, kAlpha = 15, kLinear = 0x10;
-  const std::uint32_t colour = kModelRgb | kPrimariesBt709 << 8 | kTransferSrgb << 16;
-  std::vector<std::uint32_t> words{4 + kBlockBytes, 0, kVersion | kBlockBytes << 16, colour, 0, kTexelBytes, 0};
-  for (std::uint32_t c = 0; c < kChannels; ++c) {
+// The basic descriptor of a format with the sRGB transfer function.
+std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
+  constexpr std::uint32_t kVersion = 2, kPrimariesBt709 = 1, kTransferSrgb = 2, kAlpha = 15, kLinear = 0x10;
+  const bool blocks = format.blockSide > 1;
+  const std::uint32_t samples = blocks ? 1 : 4, blockBytes = 24 + 16 * samples, side = format.blockSide - 1;
+  std::vector<std::uint32_t> words{4 + blockBytes,
+                                   0,
+                                   kVersion | blockBytes << 16,
+                                   format.colourModel | kPrimariesBt709 << 8 | kTransferSrgb << 16,
+                                   side | side << 8,
+                                   format.blockBytes,
+                                   0};
+  if (blocks) {  // colour as a whole
+    words.insert(words.end(), {(8 * format.blockBytes - 1) << 16, 0, 0, 0xFFFFFFFF});
+    return words;
+  }
+  for (std::uint32_t c = 0; c < samples; ++c) {
     const std::uint32_t channel = c < 3 ? c : kAlpha | kLinear;
     words.insert(words.end(), {8 * c | 7u << 16 | channel << 24, 0, 0, 255});
   }
@@ -59,10 +92,6 @@ std::vector<std::uint32_t> formatDescriptor() {
 
 int side(int base, std::size_t level) {
   return std::max(1, base >> level);
-}
-
-std::uint64_t levelBytes(const Header& header, std::size_t level) {
-  return std::uint64_t(side(int(header.width), level)) * std::uint64_t(side(int(header.height), level)) * kTexelBytes;
 }
 
 std::vector<std::byte> keyValues() {
@@ -85,6 +114,7 @@ void put(std::vector<std::byte>& bytes, std::size_t offset, const void* from, st
 
 struct Checked {
   Header header;
+  TextureFormat format;
   std::vector<Level> levels;
 };
 
@@ -103,8 +133,10 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
         fileBytes);
   std::memcpy(&h, start.data(), sizeof h);
   check(h.identifier == kIdentifier, ErrorCode::invalidInput, "{}: identifier: is not a KTX 2.0 file", file);
-  supported(h.vkFormat == kRgba8Srgb || h.vkFormat == kRgba8Unorm, "vkFormat", h.vkFormat,
-            "only 43 and 37, R8G8B8A8_SRGB and _UNORM, are read");
+  const FileFormat* format = formatOf(h.vkFormat);
+  supported(format != nullptr, "vkFormat", h.vkFormat,
+            "only R8G8B8A8 (43, 37), BC1_RGB (132, 131) and BC7 (146, 145), SRGB and UNORM, are read");
+  result.format = format->format;
   demand(h.typeSize == 1, "typeSize", h.typeSize, "is not 1");
   demand(h.width >= 1 && h.width <= kLargestSide, "pixelWidth", h.width, "is not within 1 to 65536");
   demand(h.height >= 1 && h.height <= kLargestSide, "pixelHeight", h.height, "is not within 1 to 65536");
@@ -127,45 +159,57 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
   std::memcpy(result.levels.data(), &start[sizeof h], h.levels * sizeof(Level));
   for (std::size_t l = 0; l < result.levels.size(); ++l) {
     const Level& level = result.levels[l];
-    const std::uint64_t wanted = levelBytes(h, l);
+    const std::uint64_t wanted = textureBytes(result.format, side(int(h.width), l), side(int(h.height), l));
     check(level.bytes == wanted && level.plainBytes == wanted, ErrorCode::invalidInput,
           "{}: levels[{}].byteLength {} ({} uncompressed): is not the {} of {}x{} texels", file, l, level.bytes,
           level.plainBytes, wanted, side(int(h.width), l), side(int(h.height), l));
-    check(inFile(level.offset, level.bytes) && level.offset % kTexelBytes == 0, ErrorCode::invalidInput,
+    check(inFile(level.offset, level.bytes) && level.offset % format->blockBytes == 0, ErrorCode::invalidInput,
           "{}: levels[{}].byteOffset {}: leads out of the file of {} bytes, or is not a multiple of {}", file, l,
-          level.offset, fileBytes, kTexelBytes);
+          level.offset, fileBytes, format->blockBytes);
   }
   return result;
 }
 
+Checked probe(const fs::path& path) {
+  const std::vector<std::byte> start = readFileStart(path, sizeof(Header) + kMostLevels * sizeof(Level));
+  std::error_code error;
+  const std::uintmax_t fileBytes = fs::file_size(path, error);
+  check(!error, ErrorCode::io, "{}: {}", path.string(), error.message());
+  return parse(start, fileBytes, path);
+}
+
 }  // namespace
 
-void writeKtx2(const fs::path& path, std::span<const Image8> levels) {
+void writeKtx2(const fs::path& path, const Texture& texture) {
+  const std::vector<std::vector<std::byte>>& levels = texture.levels;
   check(!levels.empty() && levels.size() <= kMostLevels, ErrorCode::invalidInput, "{}: {} levels to write",
         path.string(), levels.size());
+  check(texture.width > 0 && texture.height > 0 &&
+            levels.size() <= std::size_t(std::bit_width(unsigned(std::max(texture.width, texture.height)))),
+        ErrorCode::invalidInput, "{}: {} levels do not fit {}x{}", path.string(), levels.size(), texture.width,
+        texture.height);
+  const FileFormat& format = formatOf(texture.format);
   Header header;
-  header.width = std::uint32_t(levels[0].width);
-  header.height = std::uint32_t(levels[0].height);
+  header.vkFormat = format.srgb;
+  header.width = std::uint32_t(texture.width);
+  header.height = std::uint32_t(texture.height);
   header.levels = std::uint32_t(levels.size());
   for (std::size_t l = 0; l < levels.size(); ++l) {
-    const Image8& level = levels[l];
-    const int width = side(levels[0].width, l), height = side(levels[0].height, l);
-    const bool redundant = l > 0 && levels[l - 1].width == 1 && levels[l - 1].height == 1;
-    check(level.channels == 4 && level.width == width && level.height == height && !redundant &&
-              level.values.size() == std::size_t(width) * std::size_t(height) * kTexelBytes,
-          ErrorCode::invalidInput, "{}: level {} is {}x{} with {} channels, not {}x{} with 4", path.string(), l,
-          level.width, level.height, level.channels, width, height);
+    const std::uint64_t wanted = textureBytes(texture.format, side(texture.width, l), side(texture.height, l));
+    check(levels[l].size() == wanted, ErrorCode::invalidInput, "{}: level {} has {} bytes, not {}", path.string(), l,
+          levels[l].size(), wanted);
   }
   const std::vector<std::byte> keys = keyValues();
-  const std::vector<std::uint32_t> descriptor = formatDescriptor();
+  const std::vector<std::uint32_t> descriptor = formatDescriptor(format);
   header.descriptorOffset = std::uint32_t(sizeof header + levels.size() * sizeof(Level));
   header.descriptorBytes = std::uint32_t(descriptor.size() * sizeof descriptor[0]);
   header.keysOffset = header.descriptorOffset + header.descriptorBytes;
   header.keysBytes = std::uint32_t(keys.size());
   std::vector<Level> index(levels.size());
-  std::uint64_t end = header.keysOffset + header.keysBytes;  // a multiple of 4, as is every level's length
+  std::uint64_t end = header.keysOffset + header.keysBytes;
   for (std::size_t l = levels.size(); l-- > 0;) {
-    index[l] = {end, levels[l].values.size(), levels[l].values.size()};
+    end = (end + format.blockBytes - 1) / format.blockBytes * format.blockBytes;
+    index[l] = {end, levels[l].size(), levels[l].size()};
     end += index[l].bytes;
   }
   std::vector<std::byte> bytes(end);
@@ -173,28 +217,37 @@ void writeKtx2(const fs::path& path, std::span<const Image8> levels) {
   put(bytes, sizeof header, index.data(), index.size() * sizeof(Level));
   put(bytes, header.descriptorOffset, descriptor.data(), header.descriptorBytes);
   put(bytes, header.keysOffset, keys.data(), keys.size());
-  for (std::size_t l = 0; l < levels.size(); ++l) put(bytes, index[l].offset, levels[l].values.data(), index[l].bytes);
+  for (std::size_t l = 0; l < levels.size(); ++l) put(bytes, index[l].offset, levels[l].data(), index[l].bytes);
   writeFile(path, bytes);
 }
 
 Ktx2Info probeKtx2(const fs::path& path) {
-  const std::vector<std::byte> start = readFileStart(path, sizeof(Header) + kMostLevels * sizeof(Level));
-  std::error_code error;
-  const std::uintmax_t fileBytes = fs::file_size(path, error);
-  check(!error, ErrorCode::io, "{}: {}", path.string(), error.message());
-  const Header header = parse(start, fileBytes, path).header;
-  return {header.vkFormat, int(header.width), int(header.height), int(header.levels)};
+  const Checked file = probe(path);
+  const Header& header = file.header;
+  return {header.vkFormat, file.format, int(header.width), int(header.height), int(header.levels)};
 }
 
-std::vector<Image8> readKtx2(const fs::path& path) {
-  const std::vector<std::byte> bytes = readFile(path);
-  const Checked file = parse(bytes, bytes.size(), path);
-  std::vector<Image8> levels;
-  for (std::size_t l = 0; l < file.levels.size(); ++l) {
-    levels.emplace_back(side(int(file.header.width), l), side(int(file.header.height), l), 4);
-    std::memcpy(levels.back().values.data(), &bytes[file.levels[l].offset], file.levels[l].bytes);
+Texture readKtx2(const fs::path& path, int firstLevel) {
+  assert(firstLevel >= 0);
+  const Checked file = probe(path);
+  const auto first = std::size_t(firstLevel);
+  check(first < file.levels.size(), ErrorCode::invalidInput, "{}: levelCount {}: there is no level {}", path.string(),
+        file.levels.size(), firstLevel);
+  std::uint64_t end = 0;
+  for (std::size_t l = first; l < file.levels.size(); ++l)
+    end = std::max(end, file.levels[l].offset + file.levels[l].bytes);
+  const std::vector<std::byte> bytes = readFileStart(path, end);
+  check(bytes.size() == end, ErrorCode::io, "{}: ends after {} bytes; it is being written", path.string(),
+        bytes.size());
+  Texture texture;
+  texture.format = file.format;
+  texture.width = side(int(file.header.width), first);
+  texture.height = side(int(file.header.height), first);
+  for (std::size_t l = first; l < file.levels.size(); ++l) {
+    const auto level = std::span(bytes).subspan(file.levels[l].offset, file.levels[l].bytes);
+    texture.levels.emplace_back(level.begin(), level.end());
   }
-  return levels;
+  return texture;
 }
 
 }  // namespace ibr

@@ -53,7 +53,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   // A set is complete or not usable; what no pipeline reads may be anything.
   writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : noise_.get());
 
-  const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->photographLayout.get()};
+  const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->sets.layout()};
   layout_ = makePipelineLayout(device, layouts, {});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
     for (const bool dissolve : {false, true})

@@ -35,7 +35,7 @@ class CellPass {
             VkExtent2D extent) const noexcept;
 
   // For other passes that draw steps, with pipelines of their own (render/cell_pipeline.h) whose layouts begin with
-  // frameLayout and the scene's photographLayout.
+  // frameLayout and that of the scene's PhotographSets.
   VkDescriptorSetLayout frameLayout() const noexcept { return frameLayout_.get(); }
   const GpuScene::State& scene() const noexcept { return *scene_; }
   std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;  // of the first step

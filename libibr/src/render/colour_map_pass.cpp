@@ -78,8 +78,7 @@ ColourMapPass::ColourMapPass(Device& device, ColourTables& tables, const CellPas
     : tables_(&tables), cells_(&cells), canvas_(&canvas) {
   assert(support != ColourSupport::off);
   const bool sequence = support == ColourSupport::all;
-  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), cells.scene().photographLayout.get(),
-                                                  tables.setLayout()};
+  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), cells.scene().sets.layout(), tables.setLayout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(FragmentConstants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   proxySet_ = tables.makeSet(device, canvas.colourView(), VK_NULL_HANDLE);

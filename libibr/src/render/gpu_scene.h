@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // What GpuScene holds, for the passes of this layer.
 //
-// A photograph is resident once, as a layer of a page: an array image of one picture size. A cell's four texture slots
-// are bound by a descriptor set made at load time, so members may differ in size and no sampler is ever indexed.
+// A photograph is resident once, as a layer of a page: an array image of one picture size and format (photographs.h). A
+// cell's four texture slots are bound by a descriptor set (photograph_sets.h), so members may differ in size and no
+// sampler is ever indexed.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "gpu/buffer.h"
-#include "gpu/gpu_image.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "render/photograph_sets.h"
+#include "render/photographs.h"
 
 namespace ibr {
 
@@ -18,28 +21,42 @@ struct GpuScene::State {
   struct Range {
     std::uint32_t firstIndex = 0, indexCount = 0;
   };
-  struct Mesh {                         // of a cell or a backdrop
-    std::vector<Camera> cameras;        // of the members
-    std::vector<std::uint32_t> layers;  // of their photographs
-    std::uint32_t panoramas = 0;        // bit i: member i is one
-    bool onePage = false;               // all are layers of one image, and sampled alike
-    VkDeviceSize vertexOffset = 0;      // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
-    Range tier[2];                      // agreeing (a backdrop's only one), rejected
+  struct Mesh {                          // of a cell or a backdrop
+    std::vector<std::uint32_t> members;  // nodes
+    std::vector<Camera> cameras;         // of the members
+    std::vector<std::uint32_t> layers;   // of their photographs, now
+    std::uint32_t panoramas = 0;         // bit i: member i is one
+    bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
+    VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
+    Range tier[2];                       // agreeing (a backdrop's only one), rejected
     VkDescriptorSet photographs = VK_NULL_HANDLE;
   };
 
-  std::vector<GpuImage> pages;
+  State(Device& device, const Scene& scene, const GpuSceneOptions& options);
+
+  void addMeshes(Device& device, const Scene& scene);
+
+  /// Points the mesh to where its photographs are now.
+  void bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame);
+
+  PhotographSets sets;
+  std::unique_ptr<Photographs> photographs;
   Buffer vertices, indices;
-  SamplerHandle sampler;                       // of pinholes
-  SamplerHandle panoramaSampler;               // goes around; only where the scene has one
-  DescriptorSetLayoutHandle photographLayout;  // kSetCell of shared/cell.h
-  DescriptorPoolHandle pool;
-  std::vector<Mesh> cells, backdrops;  // as those of the scene
+  std::vector<Mesh> cells, backdrops;                   // as those of the scene
+  std::vector<std::vector<std::uint32_t>> cellsOfNode;  // only where photographs are streamed
 };
 
 /// Bytes of a vertex with d members.
 constexpr std::uint32_t vertexStride(std::size_t members) {
   return std::uint32_t((3 * members + 1) * sizeof(float));
 }
+
+/// Nodes by how urgent they are for a plan: its main cell's, then those of further cells, of the former order and of
+/// backdrops; after these, up to `most` in all, those around the main cell by their distance in the graph.
+struct WantedNodes {
+  std::vector<std::uint32_t> nodes;
+  std::size_t needed = 0;  // of them
+};
+WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most);
 
 }  // namespace ibr

@@ -105,9 +105,9 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
   REQUIRE(scene.nodes.size() == 4);
   REQUIRE(scene.cells.size() == 2);
   CHECK(readFile(scene.folder / scene.nodes[0].imageFile) == readFile(set.folder / "photos/000.png"));
-  const std::vector<Image8> texture = readKtx2(scene.folder / scene.nodes[3].textureFile);
-  REQUIRE(texture.size() == 8);
-  CHECK(texture[0].width == 128);
+  const Texture texture = readKtx2(scene.folder / scene.nodes[3].textureFile);
+  REQUIRE(texture.levels.size() == 8);
+  CHECK(texture.width == 128);
 
   for (std::size_t c = 0; c < 2; ++c) {
     const Cell& cell = scene.cells[c];

@@ -37,15 +37,38 @@ T peek(const std::vector<std::byte>& bytes, std::size_t offset) {
 
 TEST_CASE("levels come back as they were written") {
   const test::TemporaryFolder folder;
-  for (auto [width, height] : {std::pair{64, 32}, {33, 7}, {1, 1}, {1, 9}, {640, 3}}) {
-    const auto levels = chain(width, height);
-    writeKtx2(folder / "a.ktx2", levels);
-    CHECK(readKtx2(folder / "a.ktx2") == levels);
-    const Ktx2Info info = probeKtx2(folder / "a.ktx2");
-    CHECK(info.vkFormat == 43);
-    CHECK(info.width == width);
-    CHECK(info.height == height);
-    CHECK(info.levels == int(levels.size()));
+  for (auto [format, vkFormat] :
+       {std::pair{TextureFormat::rgba8, 43u}, {TextureFormat::bc1, 132u}, {TextureFormat::bc7, 146u}})
+    for (auto [width, height] : {std::pair{64, 32}, {33, 7}, {1, 1}, {1, 9}, {640, 3}}) {
+      const Texture texture = encodeTexture(chain(width, height), format);
+      writeKtx2(folder / "a.ktx2", texture);
+      CHECK(readKtx2(folder / "a.ktx2") == texture);
+      const Ktx2Info info = probeKtx2(folder / "a.ktx2");
+      CHECK(info.vkFormat == vkFormat);
+      CHECK(info.format == format);
+      CHECK(info.width == width);
+      CHECK(info.height == height);
+      CHECK(info.levels == int(texture.levels.size()));
+    }
+}
+
+TEST_CASE("small levels are read without the large ones") {
+  const test::TemporaryFolder folder;
+  for (const auto format : {TextureFormat::rgba8, TextureFormat::bc1, TextureFormat::bc7}) {
+    const std::vector<Image8> levels = chain(37, 20);
+    const Texture whole = encodeTexture(levels, format);
+    writeKtx2(folder / "a.ktx2", whole);
+    for (std::size_t first = 0; first < levels.size(); ++first)
+      CHECK(readKtx2(folder / "a.ktx2", int(first)) ==
+            encodeTexture({levels.begin() + std::ptrdiff_t(first), levels.end()}, format));
+    CHECK_THROWS_WITH(readKtx2(folder / "a.ktx2", int(levels.size())), Catch::Contains("there is no level 6"));
+
+    // Damage in the large ones is not even seen.
+    std::vector<std::byte> bytes = readFile(folder / "a.ktx2");
+    for (std::size_t i = 0; i < whole.levels[0].size(); ++i) bytes[bytes.size() - 1 - i] = std::byte(0x5A);
+    writeFile(folder / "a.ktx2", bytes);
+    CHECK(readKtx2(folder / "a.ktx2", 1) == encodeTexture({levels.begin() + 1, levels.end()}, format));
+    CHECK_FALSE(readKtx2(folder / "a.ktx2") == whole);
   }
 }
 
@@ -110,6 +133,39 @@ TEST_CASE("the file of a 2x1 picture, byte by byte") {
       "a0a1a2a3"
       "1011121314151617";
   CHECK(hex == expected);
+}
+
+TEST_CASE("files of blocks: descriptor and alignment") {
+  // Worked out by hand from the Data Format Specification: one sample of the whole block, 3 for a side of 4.
+  const test::TemporaryFolder folder;
+  struct Expected {
+    TextureFormat format;
+    std::uint32_t model, blockBytes;
+  };
+  for (const auto& [format, model, blockBytes] :
+       {Expected{TextureFormat::bc1, 128, 8}, Expected{TextureFormat::bc7, 134, 16}}) {
+    const Texture texture = encodeTexture(chain(9, 5), format);
+    writeKtx2(folder / "a.ktx2", texture);
+    const std::vector<std::byte> bytes = readFile(folder / "a.ktx2");
+    REQUIRE(texture.levels.size() == 4);
+    const auto at = peek<std::uint32_t>(bytes, 48);
+    CHECK(at == 80 + 4 * 24);
+    CHECK(peek<std::uint32_t>(bytes, 52) == 44);
+    const std::uint32_t expected[]{
+        44, 0, 2 | 40u << 16, model | 1 << 8 | 2 << 16, 3 | 3 << 8, blockBytes, 0, (8 * blockBytes - 1) << 16,
+        0,  0, 0xFFFFFFFF};
+    for (std::size_t i = 0; i < std::size(expected); ++i) {
+      INFO(i);
+      CHECK(peek<std::uint32_t>(bytes, at + 4 * i) == expected[i]);
+    }
+    std::uint64_t after = bytes.size();
+    for (std::size_t l = 0; l < 4; ++l) {
+      const auto offset = peek<std::uint64_t>(bytes, 80 + 24 * l);
+      CHECK(offset % blockBytes == 0);
+      CHECK(offset + texture.levels[l].size() <= after);  // the smallest first
+      after = offset;
+    }
+  }
 }
 
 TEST_CASE("a faulty file is refused with file and field") {
@@ -188,5 +244,12 @@ TEST_CASE("levels that do not belong together are not written") {
       GENERATE_COPY(std::vector<Image8>{}, std::vector{Image8(8, 4, 3)}, std::vector{levels[0], levels[2]},
                     std::vector{Image8(1, 1, 4), Image8(1, 1, 4)}, std::vector{Image8()});
   CHECK_THROWS_AS(writeKtx2(folder / "a.ktx2", wrong), Error);
+  Texture texture = levels;
+  const auto damage = GENERATE(0, 1, 2, 3);
+  if (damage == 0) texture.levels[1].pop_back();
+  if (damage == 1) texture.levels.push_back(texture.levels.back());
+  if (damage == 2) texture.format = TextureFormat::bc1;
+  if (damage == 3) texture.height = 0;
+  CHECK_THROWS_AS(writeKtx2(folder / "a.ktx2", texture), Error);
   CHECK_FALSE(std::filesystem::exists(folder / "a.ktx2"));
 }

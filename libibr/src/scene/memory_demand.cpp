@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/memory_demand.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "image/ktx2.h"
+
+namespace ibr {
+namespace {
+
+std::uint64_t bytesWithMips(TextureFormat format, int width, int height) {
+  std::uint64_t bytes = textureBytes(format, width, height);
+  while (width > 1 || height > 1) {
+    width = std::max(1, width / 2);
+    height = std::max(1, height / 2);
+    bytes += textureBytes(format, width, height);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats) {
+  assert(formats.size() == scene.nodes.size());
+  MemoryDemand demand;
+  std::vector<bool> shown(scene.nodes.size(), false);
+  for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
+    for (const Cell& cell : *cells) {
+      demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
+      demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
+      for (const std::uint32_t member : cell.members) shown[member] = true;
+    }
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n)
+    if (shown[n]) {
+      const Intrinsics& k = scene.nodes[n].camera.intrinsics;
+      demand.textures += bytesWithMips(formats[n], k.width, k.height);
+    }
+  return demand;
+}
+
+std::vector<TextureFormat> textureFormats(const Scene& scene) {
+  std::vector<TextureFormat> formats;
+  for (const Node& node : scene.nodes)
+    formats.push_back(node.textureFile.empty() ? TextureFormat::rgba8
+                                               : probeKtx2(scene.folder / node.textureFile).format);
+  return formats;
+}
+
+}  // namespace ibr

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photographs under a byte budget: on a walk through a generated graph the pictures tell which textures are there.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gpu/submit.h"
+#include "ibr/error.h"
+#include "reference/stage.h"
+#include "render/gpu_scene.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t(1) << 20;
+
+/// side² cameras a metre apart that look the same way at a backdrop at infinity, two triangles of three in each square.
+Scene gridScene(int side, int width, int height) {
+  Scene scene;
+  for (int z = 0; z < side; ++z)
+    for (int x = 0; x < side; ++x) {
+      Node& node = scene.nodes.emplace_back();
+      node.name = fmt::format("{}-{}", x, z);
+      node.camera = cameraAt({double(x), 0, double(z)}, 0, 0, width, height, 1.4);
+    }
+  const auto add = [&](std::vector<std::uint32_t> members) {
+    Cell& cell = scene.cells.emplace_back();
+    cell.members = std::move(members);
+    const std::vector<glm::vec2> corners{{0, 0}, {width, 0}, {0, height}, {width, height}};
+    cell.mesh.match.assign(3, corners);
+    cell.mesh.ratio.assign(3, std::vector<float>(4, 1.0f));
+    cell.mesh.inverseDistance.assign(4, 0.0f);
+    cell.mesh.uncertainty.assign(4, 0.0f);
+    cell.mesh.triangles = {{0, 1, 2}, {2, 1, 3}};
+    cell.mesh.tier.assign(2, kTierAgrees);
+    cell.mesh.ecc.assign(2, 1.0f);
+  };
+  for (std::uint32_t z = 0; z + 1 < std::uint32_t(side); ++z)
+    for (std::uint32_t x = 0; x + 1 < std::uint32_t(side); ++x) {
+      const std::uint32_t n = z * std::uint32_t(side) + x, below = n + std::uint32_t(side);
+      add({n, n + 1, below});
+      add({n + 1, below + 1, below});
+    }
+  return scene;
+}
+
+/// Every photograph has one colour, which tells it from its neighbours; the stand-in has the same, but darker.
+struct Colours {
+  TextureFormat format = TextureFormat::rgba8;
+  static constexpr int kStandInSide = 64;
+
+  static std::array<std::uint8_t, 3> of(std::size_t node, bool standIn) {
+    const auto value = [&](std::size_t factor) { return std::uint8_t(128 + (node * factor % 8) * 16); };
+    std::array<std::uint8_t, 3> colour{value(1), value(3), value(5)};
+    if (standIn)
+      for (std::uint8_t& c : colour) c = std::uint8_t(c / 2);
+    return colour;
+  }
+
+  Texture operator()(const Scene& scene, std::size_t node, int firstLevel) const {
+    const Intrinsics& k = scene.nodes[node].camera.intrinsics;
+    Texture texture;
+    texture.format = format;
+    texture.width = std::max(1, k.width >> firstLevel);
+    texture.height = std::max(1, k.height >> firstLevel);
+    for (int w = texture.width, h = texture.height;; w = std::max(1, w / 2), h = std::max(1, h / 2)) {
+      const auto colour = of(node, std::max(w, h) <= kStandInSide);
+      std::vector<std::byte> block;
+      if (format == TextureFormat::rgba8) {
+        block = {std::byte(colour[0]), std::byte(colour[1]), std::byte(colour[2]), std::byte(255)};
+      } else {
+        Image8 image(4, 4, 4, 255);
+        for (int i = 0; i < 16; ++i) std::ranges::copy(colour, image.pixel(i % 4, i / 4).begin());
+        block = encodeTexture({image}, format).levels[0];
+      }
+      std::vector<std::byte>& bytes = texture.levels.emplace_back(textureBytes(format, w, h));
+      for (std::size_t at = 0; at < bytes.size(); at += block.size()) std::ranges::copy(block, &bytes[at]);
+      if (w == 1 && h == 1) return texture;
+    }
+  }
+};
+
+/// A walker whose device has always finished the frame before the last.
+class Walker {
+ public:
+  Walker(const Scene& scene, const GpuSceneOptions& options, VkExtent2D size)
+      : scene_(scene),
+        bounds_(sceneBounds(scene)),
+        gpuScene(testDevice(), scene, options),
+        renderer_(testDevice(), gpuScene, {size}),
+        offscreen_(testDevice(), size) {}
+
+  FramePlan planAt(glm::dvec3 position) {
+    const VkExtent2D size = offscreen_.target().extent;
+    RenderSettings settings;
+    settings.switchSeconds = 0;
+    settings.background = {1, 0, 1};
+    return planFrame(scene_, bounds_, {{cameraAt(position, 0, 0, int(size.width), int(size.height), 1.2)}, settings});
+  }
+
+  Image8 frame(const FramePlan& plan) {
+    ++number;
+    const Image8 picture = offscreen_.render([&](VkCommandBuffer commands) {
+      streamed = gpuScene.stream(commands, plan, number, number < 2 ? 0 : number - 2);
+      renderer_.record(commands, plan, offscreen_.target());
+    });
+    most = std::max(most, gpuScene.memory().sum());
+    uploaded += streamed.uploadedBytes;
+    return picture;
+  }
+
+ private:
+  const Scene& scene_;
+  SceneBounds bounds_;
+
+ public:
+  GpuScene gpuScene;
+  GpuScene::Streamed streamed;
+  std::uint64_t number = 0, most = 0, uploaded = 0;
+
+ private:
+  Renderer renderer_;
+  Offscreen offscreen_;
+};
+
+// Share of pixels by the photograph's own colour, and by its stand-in's.
+struct Shares {
+  double own = 0, standIn = 0;
+};
+Shares sharesOf(const Image8& picture, std::size_t node) {
+  Shares shares;
+  for (const bool standIn : {false, true}) {
+    const auto colour = Colours::of(node, standIn);
+    double& share = standIn ? shares.standIn : shares.own;
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        bool same = true;
+        for (std::size_t c = 0; c < 3; ++c) same &= std::abs(picture.pixel(x, y)[c] - colour[c]) <= 4;  // BC1
+        share += same;
+      }
+    share /= picture.width * picture.height;
+  }
+  return shares;
+}
+
+// Pixels that show no photograph: none of their colours is so purple.
+int emptyPixels(const Image8& picture) {
+  int count = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) count += picture.pixel(x, y)[1] < 48;
+  return count;
+}
+
+struct Messages {
+  std::vector<std::string> warnings, errors, others;
+  LogCallback log() {
+    return [this](LogLevel level, std::string_view text) {
+      (level == LogLevel::error ? errors : level == LogLevel::warning ? warnings : others).emplace_back(text);
+    };
+  }
+};
+
+// Walks along the grid's diagonal; where it stands still at a photograph, that one is to be seen. At the end it jumps
+// back to the beginning.
+void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int every) {
+  const Scene scene = gridScene(side, 512, 512);
+  const Colours colours{format};
+  Messages messages;
+  Walker walker(scene, {.source = colours, .budgetBytes = budget, .blocks = BlockTextures::keep, .log = messages.log()},
+                {256, 256});
+  REQUIRE(walker.gpuScene.streams());
+  std::uint32_t withoutRoom = 0;
+  const auto show = [&](double along) {
+    const Image8 picture = walker.frame(walker.planAt({along, 0, along}));
+    REQUIRE(walker.gpuScene.memory().sum() <= budget);
+    REQUIRE(emptyPixels(picture) == 0);
+    withoutRoom = std::max(withoutRoom, walker.streamed.withoutRoom);
+    return picture;
+  };
+  const auto standAt = [&](int node) {
+    Image8 picture;
+    do picture = show(node);
+    while (walker.streamed.waiting > 0);
+    INFO("photograph " << node);
+    CHECK(sharesOf(picture, std::size_t(node * side + node)).own > 0.99);
+  };
+  for (int f = 0; f < frames; ++f) {
+    const double along = double(f) / (frames - 1) * (side - 1);
+    show(along);
+    if (f % every == every - 1) standAt(int(std::lround(along)));
+  }
+  const Shares jumped = sharesOf(show(0), 0);
+  CHECK(jumped.own + jumped.standIn > 0.99);
+  standAt(0);
+  CHECK(withoutRoom == 0);
+  CHECK(walker.most <= budget);
+  CHECK(walker.most > budget * 3 / 4);  // it makes use of it
+  CHECK(walker.uploaded > budget / 2);
+  CHECK(messages.warnings.empty());
+  CHECK(messages.errors.empty());
+}
+
+}  // namespace
+
+TEST_CASE("ten thousand photographs that need 1.7 GB walk within 128 MiB") {
+  walk(100, TextureFormat::bc1, 128 * kMiB, 60, 20);
+}
+
+// Run it by its name: 1 GiB of memory, 14 GB of textures.
+TEST_CASE("ten thousand photographs that need 14 GB walk within 1 GiB", "[.large]") {
+  walk(100, TextureFormat::rgba8, 1024 * kMiB, 300, 50);
+}
+
+TEST_CASE("what fits into the budget does not stream") {
+  const Scene scene = gridScene(3, 256, 256);
+  GpuScene all(testDevice(), scene, {.source = Colours{}});
+  CHECK_FALSE(all.streams());
+  const std::uint64_t bytes = all.memory().sum();
+  Walker walker(scene, {.source = Colours{}, .budgetBytes = bytes}, {64, 64});
+  CHECK_FALSE(walker.gpuScene.streams());
+  walker.frame(walker.planAt({1, 0, 1}));
+  CHECK(walker.streamed.needed == 0);
+  CHECK(walker.gpuScene.memory().sum() == bytes);
+  CHECK(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = bytes - 1}).streams());
+}
+
+TEST_CASE("a stand-in is shown while a photograph is on its way, the main cell's members come first") {
+  const Scene scene = gridScene(6, 512, 512);
+  Walker walker(scene, {.source = Colours{}, .budgetBytes = 20 * kMiB, .stagingBytes = 3 * kMiB}, {256, 256});
+  // 3 MiB of staging: two photographs of 1.33 MiB a frame at most.
+  const FramePlan plan = walker.planAt({2, 0, 2});
+  const std::size_t node = 2 * 6 + 2;
+  std::vector<std::uint32_t> missing;
+  Image8 picture;
+  for (int frame = 0; frame < 40; ++frame) {
+    picture = walker.frame(plan);
+    const GpuScene::State& state = walker.gpuScene.state();
+    missing.push_back(walker.streamed.waiting + walker.streamed.withoutRoom);
+    const Shares shares = sharesOf(picture, node);
+    const bool there = state.photographs->at(std::uint32_t(node)).view != VK_NULL_HANDLE && shares.own > 0.99;
+    CHECK((there || shares.standIn > 0.99));
+    if (missing.size() > 3) CHECK(there);  // a member of the main cell
+    CHECK(walker.streamed.uploadedBytes <= 3 * kMiB);
+  }
+  CHECK(missing.front() > missing.back());
+  CHECK(std::is_sorted(missing.rbegin(), missing.rend()));
+}
+
+TEST_CASE("streamed or not, the picture is the same") {
+  SyntheticOptions options = test::place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
+  for (Camera& camera : options.cameras)
+    camera.intrinsics = resized(camera.intrinsics, camera.intrinsics.width * 2, camera.intrinsics.height * 2);
+  const Stage stage(testDevice(), makeScene(options));
+  const std::uint64_t all = GpuScene(testDevice(), stage.scene(), {.source = stage.source()}).memory().sum();
+  Walker walker(stage.scene(), {.source = stage.source(), .budgetBytes = all * 9 / 10}, {320, 240});
+  REQUIRE(walker.gpuScene.streams());
+  for (const glm::dvec3 at : {glm::dvec3(0.4, 0.25, 0.1), glm::dvec3(0.1, 0, 0.1), glm::dvec3(0.9, 0.3, 0.3)}) {
+    const FramePlan plan = walker.planAt(at);
+    Image8 picture;
+    do picture = walker.frame(plan);
+    while (walker.streamed.waiting > 0);
+    if (walker.streamed.withoutRoom == 0) CHECK(picture == stage.render(plan));
+    CHECK(walker.most <= all * 9 / 10);
+  }
+}
+
+TEST_CASE("a frame that was never submitted is made good by its number") {
+  const Scene scene = gridScene(4, 512, 512);
+  Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB, .stagingBytes = 3 * kMiB}, {128, 128});
+  const FramePlan plan = walker.planAt({1, 0, 1});
+  const std::size_t node = 1 * 4 + 1;
+  for (int frame = 0; frame < 30; ++frame) {
+    // Recorded and dropped, several times over.
+    for (int again = frame % 3; again > 0; --again) try {
+        submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+          walker.gpuScene.stream(commands, plan, walker.number + 1, walker.number);
+          throw 1;
+        });
+      } catch (int) {
+      }
+    const Shares shares = sharesOf(walker.frame(plan), node);
+    CHECK(shares.own + shares.standIn > 0.99);
+  }
+  CHECK(walker.streamed.waiting == 0);
+  CHECK(sharesOf(walker.frame(plan), node).own > 0.99);
+}
+
+TEST_CASE("a small budget steps down, and says so") {
+  const Scene scene = gridScene(6, 512, 512);
+  {
+    Messages messages;
+    Walker walker(scene, {.source = Colours{}, .budgetBytes = 10 * kMiB, .log = messages.log()}, {128, 128});
+    REQUIRE(messages.warnings.size() == 1);
+    CHECK_THAT(messages.warnings[0], Catch::Contains("512x512") && Catch::Contains("1/2 of their size"));
+    const FramePlan plan = walker.planAt({2, 0, 2});
+    do walker.frame(plan);
+    while (walker.streamed.waiting > 0);
+    CHECK(walker.streamed.withoutRoom == 0);
+    CHECK(sharesOf(walker.frame(plan), 2 * 6 + 2).own > 0.99);
+    CHECK(walker.most <= 10 * kMiB);
+  }
+  {
+    // Room for 16, but the view wants more.
+    Messages messages;
+    Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
+    FramePlan plan = walker.planAt({2, 0, 2});
+    plan.cells.clear();
+    for (std::uint32_t c = 0; c < scene.cells.size(); ++c) plan.cells.push_back({.cell = c});
+    do walker.frame(plan);
+    while (walker.streamed.waiting > 0);
+    CHECK(walker.streamed.needed == 36);
+    CHECK(walker.streamed.withoutRoom > 15);
+    REQUIRE(messages.warnings.size() == 1);
+    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins") && Catch::Contains("of the 36 photographs"));
+    walker.frame(plan);
+    CHECK(messages.warnings.size() == 1);  // once
+    CHECK(walker.most <= 24 * kMiB);
+  }
+  {
+    Messages messages;
+    const GpuScene tiny(testDevice(), scene, {.source = Colours{}, .budgetBytes = 512 * 1024, .log = messages.log()});
+    REQUIRE(messages.warnings.size() == 2);
+    CHECK_THAT(messages.warnings[0], Catch::Contains("stand-ins of photographs have") && Catch::Contains("instead"));
+    CHECK(tiny.memory().sum() <= 512 * 1024);
+  }
+}
+
+TEST_CASE("the smallest budget is said, and it is enough for a picture") {
+  const Scene scene = gridScene(3, 512, 512);
+  std::uint64_t smallest = 0;
+  try {
+    const GpuScene none(testDevice(), scene, {.source = Colours{}, .budgetBytes = 1});
+    FAIL("one byte was enough");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::outOfMemory);
+    const std::string text = e.what(), before = "this scene takes ";
+    CHECK_THAT(text, Catch::Contains("a budget of 1 bytes") && Catch::Contains(before));
+    smallest = std::stoull(text.substr(text.find(before) + before.size()));
+  }
+  CHECK_THROWS_WITH(GpuScene(testDevice(), scene, {.source = Colours{}, .budgetBytes = smallest - 1}),
+                    Catch::Contains(std::to_string(smallest)));
+  // Less than one photograph of the nine.
+  REQUIRE(smallest < 512 * 512 * 4);
+  for (const std::uint64_t budget : {smallest, std::uint64_t(512 * 512 * 4)}) {
+    Walker walker(scene, {.source = Colours{}, .budgetBytes = budget}, {128, 128});
+    const FramePlan plan = walker.planAt({1, 0, 1});
+    Image8 picture;
+    do picture = walker.frame(plan);
+    while (walker.streamed.waiting > 0);
+    const Shares shares = sharesOf(picture, 4);
+    CHECK((budget == smallest ? shares.standIn : shares.own) > 0.99);
+    CHECK(walker.most <= budget);
+  }
+}
+
+TEST_CASE("a photograph that cannot be read keeps its stand-in") {
+  const Scene scene = gridScene(6, 512, 512);
+  const std::size_t broken = 1 * 6 + 1;
+  const auto source = [&](const Scene& of, std::size_t node, int firstLevel) {
+    if (node == broken && firstLevel == 0) throw Error(ErrorCode::io, "1-1.ktx2: gone");
+    return Colours{}(of, node, firstLevel);
+  };
+  Messages messages;
+  Walker walker(scene, {.source = source, .budgetBytes = 24 * kMiB, .log = messages.log()}, {128, 128});
+  const FramePlan plan = walker.planAt({1, 0, 1});
+  for (int frame = 0; frame < 10; ++frame) CHECK(sharesOf(walker.frame(plan), broken).standIn > 0.99);
+  CHECK(walker.streamed.failed == 1);
+  CHECK(walker.streamed.waiting == 0);
+  REQUIRE(messages.errors.size() == 1);
+  CHECK_THAT(messages.errors[0], Catch::Contains("1-1.ktx2: gone"));
+}
+
+TEST_CASE("photographs that no mesh shows are not there") {
+  Scene scene = gridScene(3, 64, 64);
+  const std::uint64_t all = GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures;
+  scene.cells.resize(1);  // three photographs of nine
+  CHECK(GpuScene(testDevice(), scene, {.source = Colours{}}).memory().textures * 3 == all);
+}
+
+TEST_CASE("what is wanted: the plan's photographs in its order, then the graph around") {
+  const Scene scene = gridScene(5, 512, 512);
+  Walker walker(scene, {.source = Colours{}, .budgetBytes = 24 * kMiB}, {64, 64});
+  FramePlan plan;
+  plan.cells = {{.cell = 8}, {.cell = 0}};
+  plan.former = {{.cell = 31}};
+  const WantedNodes wanted = wantedNodes(walker.gpuScene.state(), plan, 100);
+  const auto& members = [&](std::size_t cell) -> const std::vector<std::uint32_t>& {
+    return scene.cells[cell].members;
+  };
+  // Cells 8 and 0 share a photograph.
+  REQUIRE(wanted.needed == 8);
+  CHECK(std::vector(wanted.nodes.begin(), wanted.nodes.begin() + 8) ==
+        std::vector<std::uint32_t>{5, 6, 10, 0, 1, 19, 24, 23});
+  REQUIRE(wanted.nodes.size() == 25);
+  // Nodes of cells that touch the main cell come before those that do not.
+  std::vector<bool> near(scene.nodes.size(), false);
+  for (const Cell& cell : scene.cells)
+    if (std::ranges::any_of(cell.members, [&](auto m) { return std::ranges::find(members(8), m) != members(8).end(); }))
+      for (const std::uint32_t m : cell.members) near[m] = true;
+  bool left = false;
+  for (std::size_t i = 8; i < wanted.nodes.size(); ++i) {
+    CHECK_FALSE((left && near[wanted.nodes[i]]));
+    left |= !near[wanted.nodes[i]];
+  }
+  CHECK(left);
+  CHECK(wantedNodes(walker.gpuScene.state(), plan, 0).nodes.size() == 8);
+}

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textures in blocks on the device, and what a scene takes there.
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "gpu/barrier.h"
+#include "gpu/readback.h"
+#include "gpu/submit.h"
+#include "ibr/metrics.h"
+#include "reference/stage.h"
+#include "render/pages.h"
+#include "render/photograph_stream.h"
+#include "scene/memory_demand.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+constexpr TextureFormat kFormats[]{TextureFormat::rgba8, TextureFormat::bc1, TextureFormat::bc7};
+
+// The photographs of a place in a format, and what a device shows of them at best.
+struct Encoded {
+  std::vector<Texture> textures;
+  std::vector<std::vector<Image8>> decoded;
+
+  Encoded(const SyntheticScene& place, TextureFormat format) {
+    for (const Image8& photograph : place.photographs) {
+      textures.push_back(encodeTexture(buildMips(photograph), format));
+      decoded.push_back(decodeTexture(textures.back()));
+    }
+  }
+  TextureSource source() const {
+    return [this](const Scene&, std::size_t node, int first) { return smallerLevels(textures[node], first); };
+  }
+  TextureSource decodedSource() const {
+    return [this](const Scene&, std::size_t node, int first) { return smallerLevels(decoded[node], first); };
+  }
+};
+
+struct Messages {
+  std::vector<std::pair<LogLevel, std::string>> all;
+  LogCallback log() {
+    return [this](LogLevel level, std::string_view text) { all.emplace_back(level, text); };
+  }
+};
+
+// A level as the device decodes it, by copying it into an image without blocks.
+Image8 decodedOnDevice(const GpuImage& blocks, std::uint32_t level, int width, int height) {
+  const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};
+  const GpuImage plain(testDevice(),
+                       {.format = VK_FORMAT_R8G8B8A8_UNORM,
+                        .extent = extent,
+                        .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+                       "decoded");
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+    transition(commands, plain.get(), use::kUndefined, use::kTransferDestination);
+    const VkOffset3D end{width, height, 1};
+    const VkImageBlit region{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1},
+                             .srcOffsets = {{}, end},
+                             .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                             .dstOffsets = {{}, end}};
+    vkCmdBlitImage(commands, blocks.get(), use::kTransferSource.layout, plain.get(), use::kTransferDestination.layout,
+                   1, &region, VK_FILTER_NEAREST);
+  });
+  const std::vector<std::byte> bytes = readImage(testDevice(), plain.get(), extent, 4, use::kTransferDestination);
+  Image8 image(width, height, 4);
+  std::ranges::transform(bytes, image.values.begin(), [](std::byte b) { return std::uint8_t(b); });
+  return image;
+}
+
+int largestDifference(const Image8& a, const Image8& b) {
+  int largest = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) largest = std::max(largest, std::abs(a.values[i] - b.values[i]));
+  return largest;
+}
+
+bool copies(VkFormat format) {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(testDevice().physicalDevice(), format, &properties);
+  return (properties.optimalTilingFeatures & VK_FORMAT_FEATURE_BLIT_SRC_BIT) != 0;
+}
+
+}  // namespace
+
+// NUMERICS N14: BC7 is exact, BC1 is loosely specified.
+TEST_CASE("a device decodes blocks as we do, at any size and level") {
+  const Image8 photograph = makeScene(test::place(2)).photographs[0];
+  for (const auto& [format, levelsOff] : {std::pair{TextureFormat::bc1, 1}, {TextureFormat::bc7, 0}})
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 7}, {4, 4}, {61, 38}, {128, 96}}) {
+      if (!testDevice().samplesBlocks() || !copies(vulkanFormat(format))) continue;
+      Image8 part(width, height, 4);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) std::ranges::copy(photograph.pixel(90 + x, 60 + y), part.pixel(x, y).begin());
+      const Texture texture = encodeTexture(buildMips(part), format);
+      const std::vector<Image8> expected = decodeTexture(texture);
+      const GpuImage blocks(testDevice(),
+                            {.format = vulkanFormat(format),
+                             .extent = {std::uint32_t(width), std::uint32_t(height)},
+                             .mipLevels = std::uint32_t(texture.levels.size()),
+                             .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+                            "blocks");
+      PhotographStream stream(testDevice(), 1);
+      stream.begin(1, 0);
+      stream.start(blocks, 0, texture);
+      REQUIRE(stream.advance());
+      submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+        transition(commands, blocks.get(), use::kUndefined, use::kTransferDestination);
+        stream.recordCopies(commands);
+        transition(commands, blocks.get(), use::kTransferDestination, use::kTransferSource);
+      });
+      for (std::size_t l = 0; l < expected.size(); ++l) {
+        const Image8 got = decodedOnDevice(blocks, std::uint32_t(l), expected[l].width, expected[l].height);
+        CAPTURE(textureFormatName(format), width, height, l);
+        CHECK(largestDifference(got, expected[l]) <= levelsOff);
+      }
+    }
+}
+
+TEST_CASE("a picture from blocks is that from the same blocks decoded, and close to that without them") {
+  const SyntheticScene place = makeScene(test::place(3));
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
+  const Stage plain(testDevice(), place);
+  const Image8 expected = plain.render(view);
+  struct Expected {
+    TextureFormat format;
+    int levels;    // that a device may differ from our decoder: filtering, and NUMERICS N14 for BC1
+    double floor;  // dB
+  };
+  for (const auto& [format, levels, floor] :
+       {Expected{TextureFormat::bc1, 3, 34}, Expected{TextureFormat::bc7, 1, 42}}) {
+    INFO(textureFormatName(format));
+    const Encoded encoded(place, format);
+    const Stage blocks(testDevice(), place, {.source = encoded.source(), .blocks = BlockTextures::keep});
+    const Stage decoded(testDevice(), place, {.source = encoded.decodedSource()});
+    const Image8 picture = blocks.render(view);
+    CHECK(difference(picture, decoded.render(view), levels).shareAbove == 0);
+    CHECK(psnr(picture, expected) > floor);
+    CHECK(psnr(picture, expected) < 60);  // it is another picture
+  }
+}
+
+TEST_CASE("a filter in one mip level differs from one between two, but little") {
+  const SyntheticScene place = makeScene(test::place(3));
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 240, 180);  // less pixels than the photographs have
+  const Stage trilinear(testDevice(), place, {.filter = TextureFilter::trilinear});
+  const Stage bilinear(testDevice(), place, {.filter = TextureFilter::bilinear});
+  const double between = psnr(bilinear.render(view), trilinear.render(view));
+  CHECK(between > 25);
+  CHECK(between < 60);
+  // What automatic means is the device's.
+  const bool software = testDevice().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const GpuScene automatic(testDevice(), place.scene, {.source = trilinear.source()});
+  const Renderer renderer(testDevice(), automatic, {{240, 180}});
+  Offscreen offscreen(testDevice(), {240, 180});
+  const FramePlan plan = trilinear.plan(view);
+  const Image8 picture =
+      offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  CHECK(picture == (software ? bilinear : trilinear).render(view));
+}
+
+TEST_CASE("what is allocated is what was predicted, but for alignment") {
+  // The second scene shows three photographs of four, with one in two cells and in a backdrop.
+  SyntheticOptions options = test::place(4);
+  options.cells = {{0, 1}, {0, 2}};
+  SyntheticScene some = makeScene(options);
+  addBackdrops(some, options);
+  some.scene.backdrops.resize(1);
+  SyntheticScene large = makeScene(test::place(2));
+  for (Node& node : large.scene.nodes) node.camera.intrinsics = resized(node.camera.intrinsics, 1000, 750);
+  for (const Scene& scene : {makeScene(test::place(4)).scene, some.scene, large.scene})
+    for (const TextureFormat format : kFormats) {
+      // What is in them does not matter.
+      const auto source = [&](const Scene& of, std::size_t node, int firstLevel) {
+        const Intrinsics& k = of.nodes[node].camera.intrinsics;
+        Texture texture;
+        texture.format = format;
+        texture.width = std::max(1, k.width >> firstLevel);
+        texture.height = std::max(1, k.height >> firstLevel);
+        for (int w = texture.width, h = texture.height;; w = std::max(1, w / 2), h = std::max(1, h / 2)) {
+          texture.levels.emplace_back(textureBytes(format, w, h));
+          if (w == 1 && h == 1) return texture;
+        }
+      };
+      const std::vector<TextureFormat> formats(scene.nodes.size(), format);
+      const MemoryDemand demand = memoryDemand(scene, formats);
+      const GpuScene gpuScene(testDevice(), scene, {.source = source, .blocks = BlockTextures::keep});
+      const GpuScene::Memory memory = gpuScene.memory();
+      CAPTURE(textureFormatName(format), scene.cells.size(), demand.textures, memory.textures);
+      CHECK(memory.positions >= demand.positions);
+      CHECK(memory.positions < demand.positions + 256);
+      CHECK(memory.indices >= demand.indices);
+      CHECK(memory.indices < demand.indices + 256);
+      // Each row of large levels and each of the small levels may be aligned: lavapipe adds 1.6 % to 1000×750 RGBA8.
+      const std::uint64_t most = demand.textures / 32 + scene.nodes.size() * 10 * 1024;
+      CHECK(memory.textures >= demand.textures);
+      CHECK(memory.textures <= demand.textures + most);
+    }
+}
+
+TEST_CASE("T's equation 21, as corrected, by hand") {
+  Scene scene;
+  for (int n = 0; n < 4; ++n) {
+    Node& node = scene.nodes.emplace_back();
+    node.camera.intrinsics = pinholeFromFov(8, 4, 1);
+  }
+  Cell cell;
+  cell.members = {0, 1, 2};
+  cell.mesh.inverseDistance.resize(5);
+  cell.mesh.triangles.resize(7);
+  scene.cells = {cell, cell};
+  Cell backdrop;
+  backdrop.members = {2};
+  backdrop.mesh.inverseDistance.resize(3);
+  backdrop.mesh.triangles.resize(1);
+  scene.backdrops = {backdrop};
+  using enum TextureFormat;
+  const MemoryDemand demand = memoryDemand(scene, std::vector{rgba8, bc1, bc7, rgba8});
+  CHECK(demand.positions == 2 * 5 * (3 * 3 + 1) * 4 + 3 * (3 + 1) * 4);
+  CHECK(demand.indices == (2 * 7 + 1) * 3 * 4);
+  // 8×4, 4×2, 2×1, 1×1: 43 pixels, or 2 + 1 + 1 + 1 blocks. The fourth photograph is in no cell.
+  CHECK(demand.textures == 43 * 4 + 5 * 8 + 5 * 16);
+}
+
+TEST_CASE("blocks are decoded where that is asked for, is faster, or the device cannot sample them") {
+  const SyntheticScene place = makeScene(test::place(2));
+  const Encoded encoded(place, TextureFormat::bc1);
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
+  const Stage decoded(testDevice(), place, {.source = encoded.decodedSource()});
+  const Image8 expected = decoded.render(view);
+  const auto memory = [&](BlockTextures blocks, std::uint64_t budget) {
+    const GpuScene gpuScene(testDevice(), place.scene,
+                            {.source = encoded.source(), .budgetBytes = budget, .blocks = blocks});
+    return gpuScene.memory();
+  };
+  REQUIRE(testDevice().samplesBlocks());
+  const GpuScene::Memory kept = memory(BlockTextures::keep, 0);
+  {
+    Messages messages;
+    const Stage stage(testDevice(), place,
+                      {.source = encoded.source(), .blocks = BlockTextures::decode, .log = messages.log()});
+    CHECK(stage.render(view) == expected);
+    REQUIRE(messages.all.size() == 1);
+    CHECK(messages.all[0].first == LogLevel::info);
+    CHECK_THAT(messages.all[0].second, Catch::Contains("decoded to RGBA8"));
+  }
+  if (testDevice().properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU) {
+    CHECK(memory(BlockTextures::automatic, 0).textures > 5 * kept.textures);
+    const std::uint64_t budget = kept.sum() + kept.textures;  // decoded they would not fit
+    CHECK(memory(BlockTextures::automatic, budget).textures == kept.textures);
+    // BC7 takes a software device so long that it is streamed rather than kept.
+    const Encoded bc7(place, TextureFormat::bc7);
+    const std::uint64_t bc7Bytes =
+        GpuScene(testDevice(), place.scene, {.source = bc7.source(), .blocks = BlockTextures::keep}).memory().sum();
+    for (const BlockTextures blocks : {BlockTextures::automatic, BlockTextures::keep}) {
+      const GpuScene gpuScene(testDevice(), place.scene,
+                              {.source = bc7.source(), .budgetBytes = bc7Bytes, .blocks = blocks});
+      CHECK(gpuScene.streams() == (blocks == BlockTextures::automatic));
+      CHECK(gpuScene.memory().sum() <= bc7Bytes);
+    }
+  } else {
+    CHECK(memory(BlockTextures::automatic, 0).textures == kept.textures);
+  }
+  // An adopted device of which nothing is said: the optional feature does not count as enabled.
+  Device adopted = Device::adopt({.instance = testDevice().instance(),
+                                  .physicalDevice = testDevice().physicalDevice(),
+                                  .device = testDevice().handle(),
+                                  .queue = testDevice().queue(),
+                                  .queueFamily = testDevice().queueFamily()});
+  CHECK_FALSE(adopted.samplesBlocks());
+  Messages messages;
+  const Stage stage(adopted, place, {.source = encoded.source(), .blocks = BlockTextures::keep, .log = messages.log()});
+  CHECK(stage.render(view) == expected);
+  REQUIRE(messages.all.size() == 1);
+  CHECK(messages.all[0].first == LogLevel::warning);
+  CHECK_THAT(messages.all[0].second, Catch::Contains("cannot sample blocks"));
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/residency.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+
+using namespace ibr;
+using Step = Residency::Step;
+
+namespace {
+
+// Carries out what is decided, and watches over the rules.
+class Device {
+ public:
+  Device(std::vector<Residency::Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budget)
+      : residency(classes, classOf, budget),
+        classes_(std::move(classes)),
+        classOf_(std::move(classOf)),
+        budget_(budget) {}
+
+  // Loads arrive at once, at most `loads` of them.
+  Residency::Counts frame(const std::vector<std::uint32_t>& wanted, std::size_t needed, std::uint64_t number,
+                          std::uint64_t completed, int loads = 1000) {
+    residency.begin(wanted, needed, number, completed);
+    while (loads > 0) {
+      const auto step = residency.next();
+      if (!step) break;
+      if (step->kind == Step::Kind::makePage) {
+        REQUIRE_FALSE(pages_.contains(step->page));
+        pages_[step->page] = {step->photographClass, 0};
+      } else if (step->kind == Step::Kind::freePage) {
+        REQUIRE(pages_.contains(step->page));
+        REQUIRE(pages_[step->page].lastFrame <= completed);
+        pages_.erase(step->page);
+      } else {
+        REQUIRE(pages_.contains(step->page));
+        REQUIRE(step->layer < classes_[pages_[step->page].photographClass].pageLayers);
+        // Nobody who is in use by a frame that has not finished sits there.
+        const std::pair seat{step->page, step->layer};
+        REQUIRE(layerUse_[seat] <= completed);
+        layerUse_[seat] = pages_[step->page].lastFrame = number;
+        residency.arrived(step->photograph);
+        ++loaded;
+        --loads;
+      }
+      std::uint64_t bytes = 0;
+      for (const auto& [page, of] : pages_) bytes += classes_[of.photographClass].pageBytes;
+      REQUIRE(bytes == residency.pageBytes());
+      REQUIRE(bytes <= budget_);
+    }
+    const Residency::Counts counts = residency.end();
+    std::set<std::pair<std::uint32_t, std::uint32_t>> seats;
+    std::uint32_t here = 0;
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      if (classOf_[wanted[i]] == Residency::kNone)
+        here += i < needed;
+      else if (const auto seat = residency.seat(wanted[i])) {
+        REQUIRE(seats.insert({seat->page, seat->layer}).second);
+        if (i >= needed) continue;
+        ++here;
+        layerUse_[{seat->page, seat->layer}] = pages_[seat->page].lastFrame = number;
+      }
+    CHECK(here + counts.waiting + counts.withoutRoom + counts.failed == needed);
+    return counts;
+  }
+
+  Residency residency;
+  int loaded = 0;
+
+ private:
+  struct PageOf {
+    std::uint32_t photographClass;
+    std::uint64_t lastFrame;
+  };
+  std::vector<Residency::Class> classes_;
+  std::vector<std::uint32_t> classOf_;
+  std::uint64_t budget_;
+  std::map<std::uint32_t, PageOf> pages_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t> layerUse_;
+};
+
+std::vector<std::uint32_t> range(std::uint32_t first, std::uint32_t count) {
+  std::vector<std::uint32_t> values(count);
+  std::iota(values.begin(), values.end(), first);
+  return values;
+}
+
+std::vector<std::uint32_t> ofOneClass(std::size_t count) {
+  return std::vector<std::uint32_t>(count, 0);
+}
+
+}  // namespace
+
+TEST_CASE("what fits comes and stays") {
+  Device device({{100, 4}}, ofOneClass(10), 250);  // two pages of four
+  CHECK(device.frame(range(0, 8), 3, 1, 0).waiting == 0);
+  CHECK(device.loaded == 8);
+  for (std::uint32_t p = 0; p < 8; ++p) CHECK(device.residency.seat(p));
+  CHECK(device.frame(range(0, 8), 3, 2, 1).waiting == 0);
+  CHECK(device.loaded == 8);
+}
+
+TEST_CASE("the most urgent come first") {
+  Device device({{100, 4}}, ofOneClass(10), 100);
+  const auto counts = device.frame({7, 3, 9, 1}, 3, 1, 0, 2);
+  CHECK(device.residency.seat(7));
+  CHECK(device.residency.seat(3));
+  CHECK_FALSE(device.residency.seat(9));
+  CHECK(counts.waiting == 1);
+  CHECK(counts.withoutRoom == 0);
+}
+
+TEST_CASE("what is shown is never displaced by what is not, nor by itself") {
+  Device device({{100, 4}}, ofOneClass(10), 100);
+  device.frame(range(0, 4), 4, 1, 0);
+  const auto counts = device.frame(range(0, 6), 6, 2, 1);
+  CHECK(counts.withoutRoom == 2);  // 4 and 5
+  CHECK(device.loaded == 4);
+  device.frame(range(0, 8), 4, 3, 2);
+  CHECK(device.loaded == 4);
+}
+
+TEST_CASE("a layer is given away when its last frame has finished, not before") {
+  Device device({{100, 4}}, ofOneClass(10), 100);
+  device.frame(range(0, 4), 4, 5, 4);
+  CHECK(device.frame(range(4, 4), 4, 6, 4).waiting == 4);  // frame 5 may still run
+  CHECK(device.loaded == 4);
+  CHECK(device.frame(range(4, 4), 4, 7, 5).waiting == 0);
+  CHECK(device.loaded == 8);
+}
+
+TEST_CASE("the less urgent leaves even if every frame shows it, and only then the more urgent comes") {
+  Device device({{100, 2}}, ofOneClass(4), 100);
+  device.frame({1, 2}, 2, 1, 0);
+  // Frames 1, 2, … are always two behind; 0 is more urgent than 1 and 2, which are shown as well.
+  auto counts = device.frame({0, 1, 2}, 3, 2, 0);
+  CHECK(device.residency.seat(1));
+  CHECK_FALSE(device.residency.seat(2));  // its stand-in is shown
+  CHECK(counts.waiting == 2);
+  counts = device.frame({0, 1, 2}, 3, 3, 1);
+  CHECK(device.residency.seat(0));
+  CHECK(device.residency.seat(1));
+  CHECK(counts.waiting == 0);
+  CHECK(counts.withoutRoom == 1);
+  for (std::uint64_t frame = 4; frame < 8; ++frame) counts = device.frame({0, 1, 2}, 3, frame, frame - 2);
+  CHECK(device.loaded == 3);  // and it stays so
+  CHECK(counts.withoutRoom == 1);
+
+  // Nobody insists: it comes back without being loaded.
+  device.frame({2, 0, 1}, 3, 8, 6);
+  CHECK_FALSE(device.residency.seat(1));
+  device.frame({0, 1}, 2, 9, 7);
+  CHECK(device.residency.seat(1));
+  CHECK(device.loaded == 3);
+}
+
+TEST_CASE("the one that was not shown for longest leaves first") {
+  Device device({{100, 4}}, ofOneClass(10), 100);
+  for (std::uint32_t p = 0; p < 4; ++p) device.frame({p}, 1, p + 1, p);
+  device.frame({0}, 1, 5, 4);  // so 1 is the oldest
+  device.frame({8}, 1, 6, 5);
+  CHECK(device.residency.seat(0));
+  CHECK_FALSE(device.residency.seat(1));
+  device.frame({2}, 1, 7, 6);
+  device.frame({1}, 1, 8, 7);
+  CHECK_FALSE(device.residency.seat(3));
+  CHECK(device.residency.seat(2));
+}
+
+TEST_CASE("memory goes from one class to another, and no page is freed in vain") {
+  // Photographs 0 to 7 are small, 8 to 11 large, 12 larger than the budget.
+  std::vector<std::uint32_t> classOf(13, 0);
+  for (std::size_t p = 8; p < 12; ++p) classOf[p] = 1;
+  classOf[12] = 2;
+  Device device({{100, 4}, {150, 1}, {1000, 1}}, classOf, 250);
+  device.frame(range(0, 8), 8, 1, 0);
+  CHECK(device.residency.pageBytes() == 200);
+  CHECK(device.frame({8}, 1, 2, 0).waiting == 1);  // frame 1 may still run
+  CHECK(device.frame({8}, 1, 3, 2).waiting == 0);
+  CHECK(device.residency.pageBytes() == 250);  // one small page went
+  CHECK(device.frame({12}, 1, 4, 3).withoutRoom == 1);
+  CHECK(device.residency.pageBytes() == 250);
+  CHECK(device.frame({8, 9}, 2, 5, 4).withoutRoom == 1);
+  CHECK(device.frame(range(0, 8), 8, 6, 5).waiting == 0);
+  CHECK_FALSE(device.residency.seat(8));
+}
+
+TEST_CASE("what does not stream, what cannot be read, and a device with less memory than the budget") {
+  Residency residency({{100, 2}}, {Residency::kNone, 0, 0, 0, 0}, 1000);
+  residency.begin(std::vector<std::uint32_t>{0, 1, 2, 3, 4}, 4, 1, 0);
+  CHECK(residency.next()->kind == Step::Kind::makePage);
+  auto step = residency.next();
+  REQUIRE(step->kind == Step::Kind::load);
+  CHECK(step->photograph == 1);
+  residency.failed(1);
+  step = residency.next();
+  CHECK(step->photograph == 2);
+  residency.arrived(2);
+  step = residency.next();
+  CHECK(step->photograph == 3);
+  residency.arrived(3);
+  step = residency.next();
+  REQUIRE(step->kind == Step::Kind::makePage);
+  residency.pageRefused(step->page);
+  CHECK(residency.pageBytes() == 100);
+  CHECK_FALSE(residency.next());
+  const auto counts = residency.end();
+  CHECK(counts.failed == 1);
+  CHECK(counts.waiting == 0);
+  residency.begin(std::vector<std::uint32_t>{1, 4}, 2, 2, 1);
+  step = residency.next();  // in the place of another: the budget is what there was
+  REQUIRE(step->kind == Step::Kind::load);
+  CHECK(step->photograph == 4);
+  residency.arrived(4);
+  CHECK(residency.end().failed == 1);
+}
+
+TEST_CASE("any walk keeps the rules") {
+  std::mt19937 random(3);
+  for (int run = 0; run < 60; ++run) {
+    constexpr std::uint32_t kPhotographs = 60;
+    std::vector<Residency::Class> classes;
+    for (int c = 0; c < 3; ++c) classes.push_back({50 + random() % 200, 1 + std::uint32_t(random() % 5)});
+    std::vector<std::uint32_t> classOf;
+    for (std::uint32_t p = 0; p < kPhotographs; ++p) classOf.push_back(random() % 10 ? p % 3 : Residency::kNone);
+    Device device(classes, classOf, 300 + random() % 2000);
+    std::uint64_t completed = 0;
+    Residency::Counts last;
+    std::vector<std::uint32_t> wanted;
+    for (std::uint64_t frame = 1; frame <= 300; ++frame) {
+      completed = std::min<std::uint64_t>(frame - 1, completed + random() % 3);
+      if (frame < 60) {
+        wanted = range(0, kPhotographs);
+        std::shuffle(wanted.begin(), wanted.end(), random);
+        wanted.resize(20);
+      } else {
+        completed = frame - 3;  // at rest
+      }
+      last = device.frame(wanted, 10, frame, completed, frame < 60 ? 1 + int(random() % 8) : 1000);
+    }
+    CHECK(last.waiting == 0);
+  }
+}
