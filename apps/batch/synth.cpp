@@ -13,6 +13,8 @@
 #include "batch/command.h"
 #include "batch/options.h"
 #include "batch/progress.h"
+#include "batch/settings.h"
+#include "batch/synth_grid.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
@@ -26,13 +28,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-enum class Kind { planes, roomPano, roomMixed };
+enum class Kind { planes, roomPano, roomMixed, grid };
 
 struct Options {
   Kind kind = Kind::planes;
   std::string output;
-  int members = 3, views = 8;
+  int members = 3, views = 8, side = 10;
   PictureSize size;
+  TextureFormat texture = TextureFormat::rgba8;
 };
 
 class Random {
@@ -52,7 +55,7 @@ glm::dquat turned(double yaw, double pitch) {
 // Two to four photographs a metre apart. A fourth stands above, so that the cell is a tetrahedron.
 SyntheticOptions optionsOf(const Options& options, std::uint64_t seed) {
   Random random(seed);
-  const bool panoramas = options.kind != Kind::planes;
+  const bool panoramas = options.kind == Kind::roomPano || options.kind == Kind::roomMixed;
   PictureSize size = options.size;
   if (size.width == 0) size = panoramas ? PictureSize{1024, 512} : PictureSize{640, 480};
   SyntheticOptions made;
@@ -76,6 +79,13 @@ SyntheticOptions optionsOf(const Options& options, std::uint64_t seed) {
                    {{-0.6, 0.3, -4.5}, {1, 0, 0}, {0, 1, 0}, 1.6, 1.2, seed + 1, 0.2},
                    {{1.7, -0.5, -5.5}, glm::normalize(glm::dvec3(1, 0, 0.4)), {0, 1, 0}, 1.5, 2.0, seed + 2, 0.2}};
     made.gridStep = 16;
+  }
+  if (options.kind == Kind::grid) {
+    made.cameras.resize(3);
+    for (Camera& camera : made.cameras) camera.pose.rotation = {1, 0, 0, 0};
+    made.planes.resize(1);
+    made.atInfinity = true;
+    made.gridStep = 128;
   }
   made.samplesPerAxis = 3;
   return made;
@@ -135,7 +145,7 @@ ExitCode synthesise(const Options& options, const Context& context) {
   const std::uint64_t seed = context.options().seed;
   const SyntheticOptions wanted = optionsOf(options, seed);
   const std::vector<View> views = truthViews(options, wanted.cameras, seed);
-  std::size_t triangles = 0;
+  std::size_t photographs = 0, cells = 0, triangles = 0;  // triangles of one cell
   {
     ProgressLine progress(context);
     const std::size_t steps = wanted.cameras.size() + views.size() + 1;
@@ -144,15 +154,23 @@ ExitCode synthesise(const Options& options, const Context& context) {
       check(progress.show({"making the scene", done++, steps}), ErrorCode::cancelled, "stopped");
     };
     step();
-    const SyntheticScene made = makeScene(wanted);
+    SyntheticScene made = makeScene(wanted);
+    for (const Cell& cell : made.scene.cells) triangles += cell.mesh.triangles.size();
     for (std::size_t n = 0; n < made.scene.nodes.size(); ++n) {
       step();
       const Node& node = made.scene.nodes[n];
       for (const fs::path& file : {node.imageFile, node.textureFile})
         fs::create_directories((folder / file).parent_path());
       writeImage(folder / node.imageFile, made.photographs[n]);
-      writeKtx2(folder / node.textureFile, buildMips(made.photographs[n]));
+      writeKtx2(folder / node.textureFile, encodeTexture(buildMips(made.photographs[n]), options.texture));
+      if (options.kind == Kind::grid) break;  // all have the first one's
     }
+    if (options.kind == Kind::grid) {
+      made.scene = gridScene(made.scene, options.side);
+      writeCameraPath(folder / "walk.json", gridWalk(options.side, 640, 400));
+    }
+    photographs = made.scene.nodes.size();
+    cells = made.scene.cells.size();
     fs::create_directories(truth / "images");
     for (const View& view : views) {
       step();
@@ -160,17 +178,16 @@ ExitCode synthesise(const Options& options, const Context& context) {
     }
     writeColmapText(truth / "sparse", views);
     saveScene(made.scene, folder);
-    for (const Cell& cell : made.scene.cells) triangles += cell.mesh.triangles.size();
     progress.show({"making the scene", steps, steps});
   }
-  context.print("{}: {} photographs, 1 cell of {} triangles; {} views in {}\n", options.output, wanted.cameras.size(),
-                triangles, views.size(), truth.string());
+  context.print("{}: {} photographs, {} of {} triangles; {} views in {}\n", options.output, photographs,
+                cells == 1 ? "1 cell" : fmt::format("{} cells", cells), triangles, views.size(), truth.string());
   context.report(nlohmann::ordered_json{
       {"scene", options.output},
       {"truth", truth.string()},
-      {"photographs", wanted.cameras.size()},
-      {"cells", 1},
-      {"triangles", triangles},
+      {"photographs", photographs},
+      {"cells", cells},
+      {"triangles", cells * triangles},
       {"views",
        views.size()}}.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   return kExitOk;
@@ -184,16 +201,22 @@ const Command kSynthCommand{
     .examples =
         "ibr synth planes -o scene\n"
         "ibr synth room-pano -o room --size 2048x1024\n"
+        "ibr synth grid -o grid --side 100 --size 512x512 --texture bc1\n"
         "ibr eval room --truth room/truth -o compared",
     .details =
         "KIND: planes, a wall and two boards before it; room-pano, a room around panoramas; room-mixed, the same with "
-        "one pinhole. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and every third "
+        "one pinhole; grid, any number of photographs of a wall at infinity, which share one texture file, and a "
+        "walk.json between them. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and "
+        "every third "
         "one a little outside. The same seed makes the same scene.",
     .afterInterrupt = "Some files may be there already; run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       addChoice<Kind>(app, "KIND", options->kind,
-                      {{"planes", Kind::planes}, {"room-pano", Kind::roomPano}, {"room-mixed", Kind::roomMixed}},
+                      {{"planes", Kind::planes},
+                       {"room-pano", Kind::roomPano},
+                       {"room-mixed", Kind::roomMixed},
+                       {"grid", Kind::grid}},
                       "What to generate")
           ->required();
       app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
@@ -201,6 +224,8 @@ const Command kSynthCommand{
           ->type_name("SCENE");
       addInt(app, "--members", options->members, 2, 4, "Photographs, all of one cell");
       addInt(app, "--views", options->views, 0, 10000, "Views of the truth");
+      addInt(app, "--side", options->side, 2, 1000, "grid: photographs along each side");
+      declareTextureFormat(app, options->texture);
       addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512]");
       return [options](const Context& context) { return synthesise(*options, context); };
     }};

@@ -48,6 +48,53 @@ TEST_CASE("synth makes scenes that every command reads, and truth that eval comp
   }
 }
 
+TEST_CASE("a grid of photographs, a walk through it within a budget, and what formats cost") {
+  test::TemporaryFolder folder;
+  const std::string scene = folder / "scene";
+  const auto made = runProgram({"synth", "grid", "-o", scene, "--side", "5", "--size", "128x96", "--texture", "bc7",
+                                "--views", "2", "--json", "-"});
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  const auto report = nlohmann::json::parse(made.out);
+  CHECK(report.at("photographs") == 25);
+  CHECK(report.at("cells") == 32);
+  CHECK(runProgram({"validate", scene}).code == 0);
+  CHECK_THAT(runProgram({"info", scene}).out, Contains("25 in bc7"));
+  if (!test::deviceIsThere()) return;
+  const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--json", "-"});
+  REQUIRE(eval.code == 0);
+  CHECK(nlohmann::json::parse(eval.out).at("mean").at("psnrCovered") > 23);  // of 128×96 px, magnified
+
+  const auto walked = [&](const std::string& budget) {
+    const auto outcome = runProgram(
+        {"bench", scene, "--walk", scene + "/walk.json", "--size", "64x40", "--vram-budget", budget, "--json", "-"});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    const auto walk = nlohmann::json::parse(outcome.out).at("walk");
+    const auto& peak = walk.at("peak");
+    const auto bytes = [&](const char* kind) { return peak.at(kind).get<std::uint64_t>(); };
+    CHECK(bytes("positions") + bytes("indices") + bytes("textures") <= walk.at("budget"));
+    CHECK(walk.at("frames") > 50);
+    CHECK(walk.at("framesWithGaps") == 0);
+    CHECK(walk.at("failed") == 0);
+    return walk;
+  };
+  CHECK(walked("1G").at("streamedBytes") == 0);  // all of it fits
+  CHECK(walked("300K").at("streamedBytes") > 0);
+  CHECK(runProgram({"bench", scene, "--walk", scene + "/walk.json", "--vram-budget", "1K"}).code == 4);
+
+  const auto outcome =
+      runProgram({"bench", scene, "--formats", "--size", "64x40", "--views", "1", "--repeat", "1", "--json", "-"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const auto formats = nlohmann::json::parse(outcome.out).at("formats");
+  REQUIRE(formats.size() == 6);
+  CHECK(formats[0].at("ratio") == 1);
+  CHECK(formats[0].at("textureBytes") > formats[2].at("textureBytes"));
+  CHECK(formats[2].at("textureBytes") > formats[4].at("textureBytes"));
+  CHECK(formats[2].at("psnr") > formats[4].at("psnr"));
+}
+
 TEST_CASE("the same seed makes the same files, another one others") {
   test::TemporaryFolder folder;
   const auto synth = [&](const std::string& name, const std::string& seed) {
