@@ -51,6 +51,7 @@ class Stage {
   const Scene& scene() const { return place_.scene; }
   const SyntheticScene& place() const { return place_; }
   const std::vector<std::vector<Image8>>& textures() const { return textures_; }
+  const GpuScene& gpuScene() const { return gpuScene_; }
 
   FramePlan plan(const Camera& view, const RenderSettings& settings = {}) const {
     return planFrame(place_.scene, bounds_, {{view}, settings});
