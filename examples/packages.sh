@@ -5,7 +5,7 @@
 # To build the library and the program ibr, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
 # needs no graphics card.
 IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
-  libjpeg-dev libpng-dev libtiff-dev libopencv-dev libcgal-dev libcli11-dev mesa-vulkan-drivers"
+  libjpeg-dev libpng-dev libtiff-dev libopenexr-dev libopencv-dev libcgal-dev libcli11-dev mesa-vulkan-drivers"
 # The demo's contact sheets and videos.
 IBR_PACKAGES_DEMO="ffmpeg"
 # To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package

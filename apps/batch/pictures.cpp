@@ -2,6 +2,7 @@
 #include "batch/pictures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace ibr::app {
@@ -11,6 +12,34 @@ Image8 rgb(const Image8& image) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) std::ranges::copy(image.pixel(x, y).first(3), out.pixel(x, y).begin());
   return out;
+}
+
+std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buffers) {
+  std::vector<ExrChannel> channels;
+  const auto add = [&](const char* name, const auto& from, std::size_t channel, auto&& value) {
+    ImageF& values = channels.emplace_back(name, ImageF(image.width, image.height, 1)).values;
+    for (std::size_t i = 0; i < values.values.size(); ++i)
+      values.values[i] = value(from.values[i * std::size_t(from.channels) + channel]);
+  };
+  const auto linear = [](std::uint8_t value) {  // IEC 61966-2-1
+    const float encoded = float(value) / 255.0f;
+    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+  };
+  const auto same = [](float value) { return value; };
+  add("R", image, 0, linear);
+  add("G", image, 1, linear);
+  add("B", image, 2, linear);
+  add("Z", buffers.surface, 0, same);
+  add("tier", buffers.surface, 1, same);
+  add("rank", buffers.surface, 2, same);
+  add("weight.0", buffers.weights, 0, same);
+  add("weight.1", buffers.weights, 1, same);
+  add("weight.2", buffers.weights, 2, same);
+  add("weight.3", buffers.weights, 3, same);
+  add("confidence.spread", buffers.confidence, 0, same);
+  add("confidence.uncertainty", buffers.confidence, 1, same);
+  add("confidence.extrapolation", buffers.surface, 3, same);
+  return channels;
 }
 
 Image8 absoluteDifference(const Image8& a, const Image8& b, int gain) {

@@ -2,12 +2,20 @@
 // Small things that are done to pictures before they are written. All take and give 8-bit display-encoded values.
 #pragma once
 
+#include <vector>
+
 #include "ibr/image.h"
+#include "ibr/offscreen.h"
+#include "io/exr.h"
 
 namespace ibr::app {
 
 /// Without the alpha channel.
 Image8 rgb(const Image8& image);
+
+/// Everything that is known of a picture's pixels, for an OpenEXR file: R, G, B, linear; Z, depth; tier; rank;
+/// weight.0 … weight.3; confidence.spread, .uncertainty, .extrapolation (BufferTargets). Precondition: equal sizes.
+std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buffers);
 
 /// |a − b| channel by channel, times `gain`, over R, G, B. Precondition: equal sizes, 3 channels or more.
 Image8 absoluteDifference(const Image8& a, const Image8& b, int gain);

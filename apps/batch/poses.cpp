@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/check.h"
 #include "base/file.h"
@@ -31,6 +33,13 @@ std::string stem(const std::string& name) {
   return known ? name.substr(0, name.size() - extension.size()) : name;
 }
 
+// "hall_l.jpg" with 'l' → "hall"; nullopt where it is no such eye.
+std::optional<std::string> withoutEye(const std::string& name, char eye) {
+  const std::string whole = stem(name), ending{'_', eye};
+  if (!whole.ends_with(ending)) return std::nullopt;
+  return whole.substr(0, whole.size() - ending.size());
+}
+
 }  // namespace
 
 bool holdsColmapModel(const fs::path& folder) {
@@ -54,6 +63,47 @@ std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCa
     views.push_back({std::move(image.name), image.camera});
   }
   return views;
+}
+
+void setFov(std::vector<View>& views, double fovY) {
+  for (View& view : views) {
+    Intrinsics& k = view.camera.intrinsics;
+    const double focal = 0.5 * k.height / std::tan(0.5 * fovY);
+    k.fx *= focal / k.fy;
+    k.fy = focal;
+  }
+}
+
+std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double ipd) {
+  std::vector<Frame> frames;
+  if (!stereo) {
+    for (const View& view : views) frames.push_back({view});
+    return frames;
+  }
+  std::map<std::string, const View*> rightEyes;
+  for (const View& view : views)
+    if (const auto name = withoutEye(view.name, 'r')) rightEyes.emplace(*name, &view);
+  for (const View& view : views) {
+    if (withoutEye(view.name, 'r')) continue;
+    if (const auto name = withoutEye(view.name, 'l')) {
+      const auto right = rightEyes.find(*name);
+      check(right != rightEyes.end(), ErrorCode::invalidInput, "{}: there is no right eye {}_r", view.name, *name);
+      frames.push_back({view, *right->second});
+      rightEyes.erase(right);
+      continue;
+    }
+    check(ipd > 0, ErrorCode::invalidInput, "{}: --stereo needs --ipd, the distance of the eyes", view.name);
+    Frame pair{view, view};
+    const glm::dvec3 aside = view.camera.pose.rotation * glm::dvec3(0.5 * ipd, 0, 0);
+    pair[0].camera.pose.position -= aside;
+    pair[1].camera.pose.position += aside;
+    pair[0].name = stem(view.name) + "_l";
+    pair[1].name = stem(view.name) + "_r";
+    frames.push_back(std::move(pair));
+  }
+  for (const auto& [name, view] : rightEyes)
+    fail(ErrorCode::invalidInput, "{}: there is no left eye {}_l", view->name, name);
+  return frames;
 }
 
 fs::path pictureFile(const fs::path& folder, const std::string& viewName) {

@@ -17,6 +17,18 @@ namespace ibr::app {
 /// field of view stays and pixels keep their shape. Throws Error.
 std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log);
 
+/// The vertical field of view a centred picture of the same height would have, in radians: focal lengths change, size,
+/// shape of pixels and principal points stay. Precondition: 0 < fovY < π.
+void setFov(std::vector<View>& views, double fovY);
+
+/// The pictures that belong to one moment: one view, or the left and the right eye's.
+using Frame = std::vector<View>;
+
+/// A frame for each view, or with `stereo` for each pair: views NAME_l and NAME_r are eyes as they are, any other view
+/// becomes NAME_l and NAME_r, half of `ipd` (world units, > 0) to either side. Throws Error{invalidInput} where one eye
+/// of a pair is missing, and where an ipd is needed and 0.
+std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double ipd);
+
 /// A folder that holds a COLMAP model (cameras, images, points3D as .txt or .bin).
 bool holdsColmapModel(const std::filesystem::path& folder);
 

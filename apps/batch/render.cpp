@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +15,7 @@
 #include "batch/settings.h"
 #include "batch/signals.h"
 #include "ibr/error.h"
+#include "io/exr.h"
 #include "io/image_file.h"
 #include "shared/auto_path.h"
 
@@ -27,43 +30,87 @@ struct Options {
   std::string scene, poses, output;
   int autoFrames = 0;  // 0: not asked for
   PictureSize size;
+  double fovDegrees = 0;  // 0: that of the poses
+  bool stereo = false;
+  double ipd = 0;  // 0: not given
+  bool buffers = false;
+  double eyeHeight = 0;  // over the guiding floor; 0: no floor
   RenderSettings settings;
   GpuSceneOptions gpuScene;
 };
 
+// Below where the photographs were taken, and level as they were held.
+Floor floorBelow(const Scene& scene, double eyeHeight) {
+  glm::dvec3 up(0), middle(0);
+  for (const Node& node : scene.nodes) {
+    up += node.camera.pose.rotation * glm::dvec3(0, 1, 0);
+    middle += node.camera.pose.position / double(scene.nodes.size());
+  }
+  const double length = glm::length(up);
+  check(length > 0.1 * double(scene.nodes.size()), ErrorCode::invalidInput,
+        "--floor: the photographs were held in too many ways to tell where up is");
+  up /= length;
+  return {up, glm::dot(up, middle) - eyeHeight, 0.5 * eyeHeight, 8 * eyeHeight};
+}
+
 ExitCode renderViews(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
+  RenderSettings settings = options.settings;
+  if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
   const bool isPath = options.poses.empty() || !fs::is_directory(options.poses);
-  const std::vector<View> views =
-      options.autoFrames > 0 ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
-                             : readViews(options.poses, options.size, context.log());
+  std::vector<View> asked = options.autoFrames > 0
+                                ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
+                                : readViews(options.poses, options.size, context.log());
+  if (options.fovDegrees > 0) setFov(asked, glm::radians(options.fovDegrees));
+  const std::vector<Frame> frames = framesOf(asked, options.stereo, options.ipd);
+  std::vector<View> views;
+  for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
 
-  SceneRenderer renderer(scene, views, options.gpuScene, colourSupport(options.settings), context);
+  SceneRenderer renderer(scene, views, options.gpuScene,
+                         {.views = options.stereo ? 2u : 1u,
+                          .colour = colourSupport(options.settings),
+                          .wireframe = options.settings.wireframe,
+                          .buffers = options.buffers ? &scene : nullptr},
+                         context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
   Json written = Json::array();
   PlanState walk;
   {
     ProgressLine progress(context);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      check(progress.show({"rendering", i, views.size()}), ErrorCode::cancelled, "stopped");
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      check(progress.show({"rendering", i, frames.size()}), ErrorCode::cancelled, "stopped");
       if (!isPath) walk = {};
-      const double dtSeconds = i > 0 ? views[i].time - views[i - 1].time : 0.0;
-      const auto picture = renderer.render(views[i].camera, options.settings, walk, dtSeconds);
-      const fs::path file = pictureFile(options.output, views[i].name);
-      fs::create_directories(file.parent_path());
-      writeImage(file, rgb(picture.image));
-      written.push_back({{"name", views[i].name}, {"file", file.string()}, {"milliseconds", picture.milliseconds}});
+      const double dtSeconds = i > 0 ? frames[i][0].time - frames[i - 1][0].time : 0.0;
+      std::vector<Camera> eyes;
+      for (const View& view : frames[i]) eyes.push_back(view.camera);
+      const auto pictures = renderer.render(eyes, settings, walk, dtSeconds);
+      for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
+        const std::string& name = frames[i][eye].name;
+        const fs::path file = pictureFile(options.output, name);
+        fs::create_directories(file.parent_path());
+        writeImage(file, rgb(pictures[eye].image));
+        Json entry{{"name", name}, {"file", file.string()}, {"milliseconds", pictures[eye].milliseconds}};
+        if (pictures[eye].buffers) {
+          const fs::path known = fs::path(file).replace_extension(".exr");
+          writeExr(known, exrChannels(pictures[eye].image, *pictures[eye].buffers));
+          entry["buffers"] = known.string();
+        }
+        written.push_back(std::move(entry));
+      }
     }
-    progress.show({"rendering", views.size(), views.size()});
+    progress.show({"rendering", frames.size(), frames.size()});
   }
   context.print("{} pictures in {}\n", views.size(), options.output);
-  context.report(Json{{"views", written},
-                      {"device", renderer.deviceName()},
-                      {"settings", settingsJson(options.settings, options.gpuScene)},
-                      {"scene", options.scene}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  Json reported = settingsJson(settings, options.gpuScene);
+  reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
+  reported["ipd"] = options.ipd > 0 ? Json(options.ipd) : Json();
+  reported["floor"] = options.eyeHeight > 0 ? Json(options.eyeHeight) : Json();
+  reported["wireframe"] = settings.wireframe;
+  context.report(
+      Json{{"views", written}, {"device", renderer.deviceName()}, {"settings", reported}, {"scene", options.scene}}
+          .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 
@@ -75,12 +122,23 @@ const Command kRenderCommand{
     .examples =
         "ibr render scene --path auto:90 -o pictures\n"
         "ibr render scene --poses held-out/sparse -o pictures\n"
-        "ibr render scene --poses path.json --size 1280x720 -o pictures",
+        "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
+        "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures",
     .details =
         "--poses takes a COLMAP model's folder or a camera path:\n"
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
-        "with cameras that look along -z, y up. Pictures are named after the poses.",
+        "with cameras that look along -z, y up. Pictures are named after the poses.\n"
+        "--stereo makes two of each pose, NAME_l and NAME_r, of one order of cells and one colour table. Poses that "
+        "are\n"
+        "named so already are the eyes as they are: each may have its own principal point and direction.\n"
+        "--buffers writes NAME.exr beside each picture: R, G, B (linear), Z (depth along the viewing axis in world\n"
+        "units, infinite where unknown), tier, rank (0: the main cell), weight.0 to weight.3 of the members' colours,\n"
+        "confidence.spread (standard deviation of the members' colours), confidence.uncertainty (of the inverse "
+        "depth,\n"
+        "1/world unit), confidence.extrapolation (distance to the cell, world units). While a switch is mixed they "
+        "are\n"
+        "those of the new order.",
     .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -102,10 +160,30 @@ const Command kRenderCommand{
           ->required()
           ->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
+      const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
+        return app.add_option_function<std::string>(
+            name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+            description);
+      };
+      number("--fov", options->fovDegrees, 1, 179,
+             "Vertical field of view, were the principal point in the middle [that of the poses]")
+          ->type_name("DEGREES");
+      auto* stereo = app.add_flag("--stereo", options->stereo, "A picture for each eye, NAME_l and NAME_r");
+      number("--ipd", options->ipd, 1e-9, 1e9, "Distance of the eyes in world units, metres where poses are metric")
+          ->type_name("METRES")
+          ->needs(stereo);
+      app.add_flag("--buffers", options->buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
+      number("--floor", options->eyeHeight, 1e-9, 1e9,
+             "A grid so far below the photographs, in world units, where none of them shows anything")
+          ->type_name("METRES");
+      app.add_flag("--wireframe", options->settings.wireframe,
+                   "Edges of the triangles over the picture, the better a cell's rank the lighter");
       declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);
       app.callback([options] {
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
+        if (options->settings.wireframe && colourSupport(options->settings) == ColourSupport::all)
+          throw CLI::ValidationError("--wireframe", "does not go with the paper's ways of --colour");
       });
       return [options](const Context& context) { return renderViews(*options, context); };
     }};

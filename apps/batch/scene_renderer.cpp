@@ -38,35 +38,58 @@ void streamAll(Device& device, GpuScene& gpuScene, const FramePlan& plan, std::u
 }
 
 SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,
-                             ColourSupport colour, const Context& context)
+                             RendererOptions options, const Context& context)
     : scene_(scene),
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene, withLog(gpuScene, context)),
-      renderer_(device_, gpuScene_, {.largest = largestOf(views), .colour = colour}) {}
+      renderer_(device_, gpuScene_, (options.largest = largestOf(views), options)),
+      wantsBuffers_(options.buffers != nullptr) {}
 
-Offscreen& SceneRenderer::offscreen(int width, int height) {
-  const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};
-  if (!offscreen_ || offscreen_->target().extent.width != extent.width ||
-      offscreen_->target().extent.height != extent.height) {
-    offscreen_.reset();  // first, so that there is never memory for two
-    offscreen_.emplace(device_, extent);
-  }
-  return *offscreen_;
+void SceneRenderer::prepare(std::size_t eye, const Intrinsics& intrinsics) {
+  const VkExtent2D extent{std::uint32_t(intrinsics.width), std::uint32_t(intrinsics.height)};
+  std::optional<Offscreen>& offscreen = offscreen_[eye];
+  if (offscreen && offscreen->target().extent.width == extent.width &&
+      offscreen->target().extent.height == extent.height)
+    return;
+  offscreen.reset();  // first, so that there is never memory for two
+  buffers_[eye].reset();
+  offscreen.emplace(device_, extent);
+  if (wantsBuffers_) buffers_[eye].emplace(device_, extent);
 }
 
 SceneRenderer::Picture SceneRenderer::render(const Camera& view, const RenderSettings& settings, PlanState& state,
                                              double dtSeconds) {
-  Offscreen& output = offscreen(view.intrinsics.width, view.intrinsics.height);
+  return render(std::vector{view}, settings, state, dtSeconds).front();
+}
+
+std::vector<SceneRenderer::Picture> SceneRenderer::render(const std::vector<Camera>& views,
+                                                          const RenderSettings& settings, PlanState& state,
+                                                          double dtSeconds) {
+  std::vector<Target> targets;
+  for (std::size_t eye = 0; eye < views.size(); ++eye) {
+    prepare(eye, views[eye].intrinsics);
+    targets.push_back(offscreen_[eye]->target());
+  }
   const auto begin = std::chrono::steady_clock::now();
-  const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings, dtSeconds}, state);
+  const FramePlan plan = planFrame(scene_, bounds_, {views, settings, dtSeconds}, state);
   state = plan.next;
   streamAll(device_, gpuScene_, plan, frame_);
-  Picture picture;
-  picture.image =
-      output.render([&](VkCommandBuffer commandBuffer) { renderer_.record(commandBuffer, plan, output.target()); });
-  picture.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  return picture;
+  std::vector<Picture> pictures(views.size());
+  pictures[0].image =
+      offscreen_[0]->render([&](VkCommandBuffer commandBuffer) { renderer_.record(commandBuffer, plan, targets); });
+  for (std::size_t eye = 1; eye < views.size(); ++eye)  // drawn already
+    pictures[eye].image = offscreen_[eye]->render([](VkCommandBuffer) {});
+  const double milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  for (std::size_t eye = 0; eye < views.size(); ++eye) {
+    pictures[eye].milliseconds = milliseconds;
+    if (wantsBuffers_)
+      pictures[eye].buffers = buffers_[eye]->render([&](VkCommandBuffer commandBuffer) {
+        renderer_.recordBuffers(commandBuffer, plan, eye, buffers_[eye]->targets());
+      });
+  }
+  return pictures;
 }
 
 }  // namespace ibr::app

@@ -1,42 +1,11 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Morphs a vertex ([T] §2.5.1 eq. 4; ARCHITECTURE §5 "The morph, one formula"):
-//   D = Σ λ_i R_i q_i + ρ t,  q_i = a_i r_i,  t = Σ λ_i c_i − p
-// A pinhole projects q_i to a homogeneous texture coordinate; a panorama's q_i goes on as it is ([T] fig. 1). Both share
-// the vertex's scale with (D, ρ), so that they are projectively exact inside a triangle.
-// (D, ρ) is the vertex in homogeneous coordinates of the virtual camera, so ρ = 0 is infinity.
+// A vertex of a cell.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "shared/cell.h"
-
-layout(constant_id = 0) const int kMembers = 4;
-layout(constant_id = 3) const int kPanoramas = 0;  // bit i: member i is a panorama
+#include "render/cell_vertex.glsl"
 
 layout(location = 0) in vec3 inPoint[kMaxMembers];  // q_i; locations 0 to 3, those beyond kMembers repeat the last
 layout(location = 4) in float inInverseDistance;    // ρ
 
-layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
-
-layout(location = 0) out vec3 outTexture[kMaxMembers];  // pinhole: homogeneous texture coordinate in member i; panorama: q_i
-layout(location = 4) flat out uint outCell;
-
-void main() {
-  const uint cell = gl_InstanceIndex;
-  const bool unitRays = cells[cell].unitRays != 0;
-  const float inverseDistance = unitRays ? 0.0 : inInverseDistance;
-  vec3 direction = inverseDistance * cells[cell].shift;
-  for (int i = 0; i < kMembers; ++i) {
-    const vec3 point = unitRays ? normalize(inPoint[i]) : inPoint[i];
-    direction += cells[cell].member[i].position * (cells[cell].member[i].toView * point);
-    const vec2 focal = cells[cell].member[i].focal, principal = cells[cell].member[i].principal;
-    outTexture[i] = (kPanoramas >> i & 1) != 0 ? point
-                                               : vec3(focal.x * point.x - principal.x * point.z,
-                                                      -focal.y * point.y - principal.y * point.z, -point.z);
-  }
-  for (int i = kMembers; i < kMaxMembers; ++i) outTexture[i] = vec3(0.0);
-  outCell = cell;
-  const vec4 projection = cells[cell].projection;
-  gl_Position = vec4(projection.x * direction.x - projection.y * direction.z,
-                     projection.z * direction.y - projection.w * direction.z,
-                     -direction.z - cells[cell].nearDistance * inverseDistance, -direction.z);
-}
+void main() { placeVertex(inPoint, inInverseDistance, gl_InstanceIndex); }

@@ -77,9 +77,11 @@ vec3 tap(int slot, int member, Sampling s, float k) {
 }
 
 float noise(uvec2 pixel) {
-  const uvec2 tile = pixel % uint(kNoiseSize);
+  const uvec2 tile = (pixel + cells[inCell].noise) % uint(kNoiseSize);
   return noiseFromRank(noiseRank[tile.y * uint(kNoiseSize) + tile.x]);
 }
+
+bool isDissolved(uvec2 pixel) { return noise(pixel + kDissolveOffset) >= cells[inCell].opacity; }
 
 /// Discards what is dissolved. `pixel`: of the picture, for the noise; `detail`: of the texture, 1 as the picture's size
 /// asks for, less for more of it.
@@ -92,7 +94,7 @@ vec3 cellColour(uvec2 pixel, float detail) {
     weights[i] = cells[inCell].member[i].blend;
     reach = max(reach, samplings[i].reach);
   }
-  if (kDissolve && noise(pixel + kDissolveOffset) >= cells[inCell].opacity) discard;
+  if (kDissolve && isDissolved(pixel)) discard;
   const uint blending = cells[inCell].blending;
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
   const int chosen = blending != kBlend ? ditherMember(weights, noise(pixel)) : 0;

@@ -42,6 +42,7 @@ struct CellParameters {
   float alpha;    // tier code, (255 − 64·tier) / 255
   uint table;     // colour table
   float opacity;  // share of pixels that are drawn, chosen by blue noise
+  uvec2 noise;    // added to the pixel that noise is looked up for: less than kNoiseSize
 };
 
 /// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that has

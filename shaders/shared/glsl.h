@@ -14,6 +14,7 @@
 #include <glm/vec4.hpp>
 namespace ibr::shader {
 using glm::mat3;
+using glm::uvec2;
 using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
@@ -21,6 +22,7 @@ using glm::vec4;
 using std::abs;
 using std::ceil;
 using std::clamp;
+using std::floor;
 using std::max;
 using std::min;
 using std::sqrt;

@@ -76,7 +76,7 @@ PicturePasses::PicturePasses(const Device& device, VkExtent2D largest, const std
                                                .vertex = shaders::test_screen_vert,
                                                .fragment = shaders::test_copy_frag,
                                                .layout = compositionLayout_.get(),
-                                               .colourFormat = settings.target});
+                                               .colourFormats = {&settings.target, 1}});
 }
 
 void PicturePasses::recordCanvas(VkCommandBuffer commands, VkExtent2D extent) const noexcept {

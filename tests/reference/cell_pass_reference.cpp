@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/integer.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
 #include <optional>
@@ -102,6 +104,7 @@ struct Triangle {
   std::array<std::array<glm::dvec3, 4>, 3> point;  // vertex, member: q_i
   glm::dmat3 inverse;                              // M⁻¹
   glm::dvec3 depth;                                // z_clip of the vertices
+  glm::dvec3 inverseDistance, uncertainty;         // of the vertices
 };
 
 struct Step {
@@ -111,6 +114,8 @@ struct Step {
   int tier;
   PlannedCell::View weights;
   double opacity;
+  int rank;
+  double extrapolation;
   Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
 
@@ -125,10 +130,11 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
   for (int tier = 0; tier <= std::min(plan.settings.lowestTier, 1); ++tier)
     for (const PlannedCell& c : cells)
       steps.push_back({scene, scene.cells[c.cell], plan, tier,
-                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity});
+                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
+                       int(&c - cells.data()), c.extrapolationDistance});
   if (plan.settings.lowestTier >= kTierBackdrop)
-    for (const std::uint32_t b : plan.backdrops)
-      steps.push_back({scene, scene.backdrops[b], plan, kTierBackdrop, alone(0), 1});
+    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+      steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, alone(0), 1, int(b), 0});
   return steps;
 }
 
@@ -174,21 +180,48 @@ float noiseAt(int x, int y) {
   return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
 }
 
-Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y) {
+// `x`, `y`: the pixel; `noise`: what is added to it for the noise.
+Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
+            glm::ivec2 noise, Known& known) {
   const auto& blend = step.weights.blend;
-  const int chosen =
-      shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, noiseAt(x, y));
+  const float random = noiseAt(x + noise.x, y + noise.y);
+  const int chosen = shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, random);
   Texel result;
+  glm::dvec3 mean(0), square(0);
   for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
     const double dithered = int(i) == chosen ? 1.0 : 0.0;
     const BlendMode mode = step.plan.settings.blend;
     const double weight = mode == BlendMode::blend    ? blend[i]
                           : mode == BlendMode::dither ? dithered
                                                       : 0.5 * (blend[i] + dithered);
-    if (weight == 0.0) continue;
-    result = mixed(result, 1, sample(step, t, textures[step.cell.members[i]], i, x, y), weight);
+    if (weight == 0.0 && blend[i] == 0.0) continue;
+    const Texel texel = sample(step, t, textures[step.cell.members[i]], i, x, y);
+    if (weight > 0.0) result = mixed(result, 1, texel, weight);
+    mean += blend[i] * texel.colour;
+    square += blend[i] * texel.colour * texel.colour;
   }
+  const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);  // sums to 1 / w
+  const glm::dvec3 variance = glm::max(square - mean * mean, 0.0);
+  known = {1.0 / std::max(glm::dot(a, t.inverseDistance), 0.0),
+           step.tier,
+           step.rank,
+           step.extrapolation,
+           blend,
+           std::sqrt((variance.x + variance.y + variance.z) / 3),
+           glm::dot(a, t.uncertainty) / (a.x + a.y + a.z)};
   return result;
+}
+
+// How far the second eye's noise is moved against the first's: both see it infinitely far away, straight ahead.
+glm::ivec2 noiseOffset(const FramePlan& plan, std::size_t view) {
+  if (view == 0) return {0, 0};
+  const glm::dvec3 ahead =
+      glm::slerp(plan.views[0].pose.rotation, plan.views[1].pose.rotation, 0.5) * glm::dvec3(0, 0, -1);
+  glm::dvec2 at[2];
+  for (int v = 0; v < 2; ++v)
+    at[v] = *project(plan.views[v].intrinsics, glm::conjugate(plan.views[v].pose.rotation) * ahead);
+  const glm::ivec2 offset(glm::round(at[0] - at[1]));
+  return (offset % shader::kNoiseSize + shader::kNoiseSize) % shader::kNoiseSize;
 }
 
 // What one pixel of a canvas shows so far: the best step, and inside it the nearest triangle.
@@ -198,7 +231,7 @@ struct Owner {
 };
 
 void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
-              Picture& picture, std::vector<Owner>& owners) {
+              glm::ivec2 noise, Picture& picture, std::vector<Owner>& owners) {
   const Intrinsics& k = view.intrinsics;
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
   const bool ours = step.morph() == Morph::ours;
@@ -212,6 +245,8 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
       const glm::dvec3 d =
           toView * morph(step.scene, step.cell, p, step.weights.position, step.morph(), view.pose.position);
       m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
+      t.inverseDistance[v] = ours ? double(mesh.inverseDistance[p]) : 0.0;
+      t.uncertainty[v] = mesh.uncertainty[p];
       t.depth[v] = -d.z - step.plan.nearDistance * (ours ? double(mesh.inverseDistance[p]) : 0.0);
       for (std::size_t i = 0; i < step.cell.members.size(); ++i)
         t.point[std::size_t(v)][i] =
@@ -233,14 +268,14 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
       for (int x = x0; x <= x1; ++x) {
         const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);
         if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0 && a[0] + a[1] + a[2] > 0)) continue;
-        if (step.opacity < 1 &&
-            noiseAt(x + int(shader::kDissolveOffset.x), y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
+        if (step.opacity < 1 && noiseAt(x + noise.x + int(shader::kDissolveOffset.x),
+                                        y + noise.y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
           continue;
         const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
         const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
         if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
         owners[at] = {index, z};
-        const Texel texel = shade(step, t, textures, x, y);
+        const Texel texel = shade(step, t, textures, x, y, noise, picture.known[at]);
         picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * step.tier) / 255.0);
         picture.range[at] = texel.range;
         picture.levelRange[at] = texel.levelRange;
@@ -258,10 +293,12 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
                   std::vector<glm::dvec4>(count, glm::dvec4(0)),
                   std::vector<std::uint8_t>(count, 0),
                   std::vector<double>(count, 0),
-                  std::vector<double>(count, 0)};
+                  std::vector<double>(count, 0),
+                  std::vector<Known>(count)};
   std::vector<Owner> owners(count);
+  const glm::ivec2 noise = noiseOffset(plan, viewIndex);
   const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex);
-  for (std::size_t s = 0; s < steps.size(); ++s) drawStep(steps[s], int(s), textures, view, picture, owners);
+  for (std::size_t s = 0; s < steps.size(); ++s) drawStep(steps[s], int(s), textures, view, noise, picture, owners);
   for (int y = 1; y + 1 < height; ++y)
     for (int x = 1; x + 1 < width; ++x) {
       const auto owner = [&](int i, int j) {

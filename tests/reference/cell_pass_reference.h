@@ -2,11 +2,22 @@
 // Double-precision twin of the cell pass and the composition: what a frame plan should look like, pixel by pixel.
 #pragma once
 
+#include <array>
+#include <limits>
 #include <vector>
 
 #include "ibr/renderer.h"
 
 namespace ibr::reference {
+
+/// What BufferTargets holds of a pixel.
+struct Known {
+  double depth = std::numeric_limits<double>::infinity();
+  int tier = -1, rank = -1;
+  double extrapolation = 0;
+  std::array<double, 4> weights{};
+  double spread = 0, uncertainty = std::numeric_limits<double>::infinity();
+};
 
 struct Picture {
   int width = 0, height = 0;
@@ -14,6 +25,7 @@ struct Picture {
   std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one tier of one cell
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
   std::vector<double> levelRange;  // levels by which the two mip levels differ
+  std::vector<Known> known;        // of the plan's current order
 };
 
 /// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource

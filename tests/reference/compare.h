@@ -14,10 +14,10 @@ namespace ibr::test {
 
 /// Tolerance as derived from the device's texture filter: NUMERICS §6 b. `leastDrawn`: share of the
 /// pixels compared; `leastSafe`: share of the picture that is.
-inline void compareWithTwin(const Stage& stage, const FramePlan& plan, double leastDrawn = 0.25,
-                            double leastSafe = 0.5) {
-  const Image8 picture = stage.render(plan);
-  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+inline void compareWithTwin(const Stage& stage, const FramePlan& plan, double leastDrawn = 0.25, double leastSafe = 0.5,
+                            std::size_t view = 0) {
+  const Image8 picture = plan.views.size() == 1 ? stage.render(plan) : stage.renderViews(plan)[view];
+  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan, view);
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(testDevice().physicalDevice(), &properties);
   const double step = std::exp2(-double(properties.limits.subTexelPrecisionBits));

@@ -51,8 +51,9 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                      {"blending", offsetof(CellParameters, blending)},
                                                      {"alpha", offsetof(CellParameters, alpha)},
                                                      {"table", offsetof(CellParameters, table)},
-                                                     {"opacity", offsetof(CellParameters, opacity)}});
-  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 52);
+                                                     {"opacity", offsetof(CellParameters, opacity)},
+                                                     {"noise", offsetof(CellParameters, noise)}});
+  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 60);
 }
 
 TEST_CASE("what the colour passes share lies in memory as their shaders read it") {

@@ -58,6 +58,7 @@ class Stage {
   const Scene& scene() const { return place_.scene; }
   const SyntheticScene& place() const { return place_; }
   const std::vector<std::vector<Image8>>& textures() const { return textures_; }
+  const GpuScene& gpuScene() const { return gpuScene_; }
 
   /// Of the photographs, as they are. The stage must outlive it.
   TextureSource source() const {

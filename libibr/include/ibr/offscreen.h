@@ -37,4 +37,31 @@ class Offscreen {
   std::unique_ptr<State> state_;
 };
 
+/// What Renderer::recordBuffers knows of a picture: channels as BufferTargets says.
+struct FrameBuffers {
+  ImageF surface;     // depth, tier, rank, extrapolation distance
+  ImageF weights;     // of members 0 to 3
+  ImageF confidence;  // spread, uncertainty
+};
+
+/// Images for it. The device must outlive it. Used by one thread at a time.
+class OffscreenBuffers {
+ public:
+  /// Throws Error (invalidInput, unsupported, outOfMemory) for extents that cannot be.
+  OffscreenBuffers(const Device& device, VkExtent2D extent);
+  OffscreenBuffers(OffscreenBuffers&&) noexcept;
+  OffscreenBuffers& operator=(OffscreenBuffers&&) noexcept;
+  ~OffscreenBuffers();
+
+  /// Valid while *this lives; whoever writes leaves them in `after`.
+  BufferTargets targets() const noexcept;
+
+  /// As Offscreen::render.
+  FrameBuffers render(const std::function<void(VkCommandBuffer)>& record);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 }  // namespace ibr

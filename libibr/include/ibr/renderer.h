@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -85,6 +86,15 @@ inline constexpr std::uint32_t kLargestBackdropCount = 64;
 inline constexpr std::uint32_t kColourSlotCount =
     2 * (kLargestCellCount + kLargestLeavingCount);  // of a frame's cells and of those before it
 
+/// A grid where the ground is, for guidance where no photograph shows anything ([T] §2.5.4): it lies over the
+/// background and over what is filled, never over what was photographed, and hides nothing of the caller's.
+struct Floor {
+  glm::dvec3 up{0, 1, 0};  // unit, world
+  double height = 0;       // along `up` from the world's origin, world units
+  double spacing = 1;      // of the lines, world units, > 0
+  double fadeRadius = 8;   // distance from below the eye at which the grid has vanished, world units
+};
+
 struct RenderSettings {
   BlendMode blend = BlendMode::blend;
   Morph morph = Morph::ours;
@@ -109,6 +119,10 @@ struct RenderSettings {
   double colourSmoothSeconds = 0.15;  // ours: time constant with which tables follow what is measured
   double colourLargestSpeed = 120;    // ours: levels per second that a table changes at most
 
+  std::optional<Floor> floor;  // a guiding floor
+  bool wireframe = false;  // edges of triangles over the picture, in a heat colour of their cell's rank ([T] fig. 4);
+                           // not with the paper's ways of colour mapping
+
   glm::vec3 background{0.0f};  // display-encoded, shown where nothing is drawn
 };
 
@@ -128,7 +142,9 @@ struct SceneBounds {
 SceneBounds sceneBounds(const Scene& scene);
 
 struct FrameInput {
-  std::vector<Camera> views;  // one, or two for stereo; pinholes; principal point anywhere; any aspect
+  // One, or two for stereo: pinholes; principal point anywhere; any aspect. Two share the order of cells, colour tables
+  // (counted in the first) and noise: its pattern lies infinitely far ahead of both, so that it does not rival.
+  std::vector<Camera> views;
   RenderSettings settings;
   double dtSeconds = 0;  // since the frame before; clamped to 0 … 0.1 (NUMERICS T18)
 };
@@ -222,6 +238,10 @@ struct RendererOptions {
   bool depth = false;        // for targets with a depth
   ColourSupport colour =
       ColourSupport::ours;  // off: no plan's colours are mapped; ours: a plan's mapping is not the paper's
+  bool multiview = true;   // both views of a plan in one pass, where they have one size and the device is seen to do it
+                           // right; the pixels are the same without
+  bool wireframe = false;  // for RenderSettings::wireframe
+  const Scene* buffers = nullptr;  // the GpuScene's scene, read while the renderer is made: for recordBuffers
 };
 
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.
@@ -242,6 +262,11 @@ class Renderer {
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {
     record(commandBuffer, plan, std::span(&target, 1));
   }
+
+  /// Records one view of a plan into floats; as `record` otherwise, which need not have been called. What both record
+  /// comes in the order of recording.
+  void recordBuffers(VkCommandBuffer commandBuffer, const FramePlan& plan, std::size_t view,
+                     const BufferTargets& targets) const noexcept;
 
   /// What recording a plan amounts to. Exact; a scene pays only for what it declares (NUMERICS §4).
   struct Counters {

@@ -62,4 +62,33 @@ struct Target {
   std::optional<DepthTarget> depth;  // of the same extent
 };
 
+/// An image for floats. It must outlive the commands recorded with it.
+struct BufferTarget {
+  VkImage image = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;  // 2D, one level, one layer, colour attachment usage
+  ImageUse before = use::kUndefined;  // its contents are replaced
+  ImageUse after = use::kColourAttachment;
+};
+
+inline constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+inline constexpr VkFormat kWeightsFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+inline constexpr VkFormat kConfidenceFormat = VK_FORMAT_R32G32_SFLOAT;
+
+/// Where a renderer puts what it knows of every pixel beside its colour, of the plan's current order: a former one that
+/// is mixed in is left out. Values where nothing is drawn stand in brackets.
+struct BufferTargets {
+  VkExtent2D extent{0, 0};
+  /// kSurfaceFormat: depth along the view's -z in world units, infinity where it is unknown (ρ = 0) [infinity]; tier
+  /// [3 where the plan asks to fill, else −1]; rank of the cell in the plan (of one that
+  /// leaves: its former place), or of the backdrop among backdrops [−1];
+  /// the cell's extrapolation distance, world units [0].
+  BufferTarget surface;
+  /// kWeightsFormat: of the members' colours, in the order of the cell's; they sum to 1 [0].
+  BufferTarget weights;
+  /// kConfidenceFormat: spread of the members' colours, their standard deviation under the weights, root mean square
+  /// over R, G, B as displayed, 0 to 1, before colour mapping [0]; the mesh's uncertainty of ρ, one standard deviation,
+  /// 1 / world unit [infinity].
+  BufferTarget confidence;
+};
+
 }  // namespace ibr

@@ -8,10 +8,17 @@
 namespace ibr {
 namespace {
 
-GpuImage makeImage(const Device& device, VkExtent2D extent, VkFormat format, VkImageUsageFlags usage,
-                   VkImageAspectFlags aspect, const char* name) {
+GpuImage makeImage(const Device& device, VkExtent2D extent, std::uint32_t layers, VkFormat format,
+                   VkImageUsageFlags usage, VkImageAspectFlags aspect, const char* name) {
   constexpr VkImageUsageFlags kReads = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  return GpuImage(device, {.format = format, .extent = extent, .usage = usage | kReads, .aspect = aspect}, name);
+  return GpuImage(device,
+                  {.format = format,
+                   .extent = extent,
+                   .layers = layers,
+                   .usage = usage | kReads,
+                   .aspect = aspect,
+                   .viewType = layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D},
+                  name);
 }
 
 VkAttachmentDescription attachment(VkFormat format) {
@@ -25,7 +32,16 @@ VkAttachmentDescription attachment(VkFormat format) {
           .finalLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
 }
 
-RenderPassHandle makeRenderPass(const Device& device) {
+ImageViewHandle makeLayerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
+  const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                   .image = image.get(),
+                                   .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                   .format = image.info().format,
+                                   .subresourceRange = {image.info().aspect, 0, 1, layer, 1}};
+  return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
+}
+
+RenderPassHandle makeRenderPass(const Device& device, std::uint32_t layers) {
   const VkAttachmentDescription attachments[]{attachment(Canvas::kColourFormat), attachment(Canvas::kDepthFormat)};
   const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
@@ -58,7 +74,14 @@ RenderPassHandle makeRenderPass(const Device& device) {
        .srcAccessMask = kWrites,
        .dstAccessMask = VK_ACCESS_SHADER_READ_BIT}};
 
+  constexpr std::uint32_t kBoth = 0b11;
+  const VkRenderPassMultiviewCreateInfo views{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO,
+                                              .subpassCount = 1,
+                                              .pViewMasks = &kBoth,
+                                              .correlationMaskCount = 1,
+                                              .pCorrelationMasks = &kBoth};
   const VkRenderPassCreateInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                    .pNext = layers > 1 ? &views : nullptr,
                                     .attachmentCount = 2,
                                     .pAttachments = attachments,
                                     .subpassCount = 1,
@@ -70,12 +93,15 @@ RenderPassHandle makeRenderPass(const Device& device) {
 
 }  // namespace
 
-Canvas::Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse)
-    : colour_(makeImage(device, largest, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | furtherUse,
+Canvas::Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse, std::uint32_t layers)
+    : colour_(makeImage(device, largest, layers, kColourFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | furtherUse,
                         VK_IMAGE_ASPECT_COLOR_BIT, "canvas colour")),
-      depth_(makeImage(device, largest, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+      depth_(makeImage(device, largest, layers, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                        VK_IMAGE_ASPECT_DEPTH_BIT, "canvas depth")),
-      renderPass_(makeRenderPass(device)) {
+      renderPass_(makeRenderPass(device, layers)) {
+  assert(layers == 1 || layers == 2);
+  for (std::uint32_t layer = 0; layers > 1 && layer < layers; ++layer)
+    for (const GpuImage* image : {&colour_, &depth_}) layerViews_.push_back(makeLayerView(device, *image, layer));
   const VkImageView views[]{colour_.view(), depth_.view()};
   const VkFramebufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                      .renderPass = renderPass_.get(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The working image: display-encoded RGBA8 and D32F depth.
+// The working image: display-encoded RGBA8 and D32F depth; or two of them, layers of one pass with a view each.
 //
 // Drawn with a VkRenderPass and not by dynamic rendering, because the validation layer of Debian 12 (1.3.239) sees
 // hazards of attachments only there.
@@ -8,6 +8,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <array>
+#include <vector>
 
 #include "gpu/gpu_image.h"
 #include "gpu/handle.h"
@@ -24,8 +25,9 @@ class Canvas {
   static constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
   static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-  /// `furtherUse`: of the colour image, beyond drawing, sampling and being copied from.
-  Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse = 0);
+  /// `furtherUse`: of the colour image, beyond drawing, sampling and being copied from. `layers`: with 2, every draw
+  /// goes into both, with gl_ViewIndex 0 and 1 (VK_KHR_multiview).
+  Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse = 0, std::uint32_t layers = 1);
 
   VkRenderPass renderPass() const noexcept { return renderPass_.get(); }  // subpass 0: one colour attachment and depth
   VkExtent2D largest() const noexcept { return colour_.info().extent; }
@@ -36,13 +38,18 @@ class Canvas {
   void end(VkCommandBuffer commands) const noexcept;
 
   VkImage colour() const noexcept { return colour_.get(); }
-  VkImageView colourView() const noexcept { return colour_.view(); }
+  VkImageView colourView(std::uint32_t layer = 0) const noexcept { return viewOf(colour_, layer, 0); }
   VkImage depth() const noexcept { return depth_.get(); }
-  VkImageView depthView() const noexcept { return depth_.view(); }
+  VkImageView depthView(std::uint32_t layer = 0) const noexcept { return viewOf(depth_, layer, 1); }
   VkDeviceSize allocatedBytes() const noexcept { return colour_.allocatedBytes() + depth_.allocatedBytes(); }
 
  private:
+  VkImageView viewOf(const GpuImage& image, std::uint32_t layer, std::size_t which) const noexcept {
+    return layerViews_.empty() ? image.view() : layerViews_[2 * layer + which].get();
+  }
+
   GpuImage colour_, depth_;
+  std::vector<ImageViewHandle> layerViews_;  // where there are two: colour, depth, colour, depth
   RenderPassHandle renderPass_;
   FramebufferHandle framebuffer_;
 };

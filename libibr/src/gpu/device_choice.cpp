@@ -26,6 +26,8 @@ constexpr Feature kFeatures[]{
     // The paper's way of counting colours.
     {"fragmentStoresAndAtomics",
      [](DeviceFeatures& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
+    // Both eyes in one pass, where the device does that right (gpu/multiview.h).
+    {"multiview", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan11.multiview; }},
     // Structures shared by C++ and shaders are laid out as C++ does it.
     {"scalarBlockLayout", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.scalarBlockLayout; }},
     // All barriers.

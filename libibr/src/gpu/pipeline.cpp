@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/pipeline.h"
 
+#include <array>
 #include <cassert>
 
 #include "gpu/debug.h"
@@ -33,8 +34,11 @@ ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint3
 }
 
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info) {
-  const bool depthOnly = info.depthFormat != VK_FORMAT_UNDEFINED;
-  assert((info.renderPass != VK_NULL_HANDLE) + (info.colourFormat != VK_FORMAT_UNDEFINED) + depthOnly == 1);
+  const bool depthOnly = info.depthFormat != VK_FORMAT_UNDEFINED && info.colourFormats.empty();
+  assert((info.renderPass != VK_NULL_HANDLE) + !info.colourFormats.empty() + depthOnly == 1);
+  constexpr std::uint32_t kMostColours = 4;
+  const auto colours = info.renderPass ? 1u : std::uint32_t(info.colourFormats.size());
+  assert(colours <= kMostColours);
   const ShaderModuleHandle vertex = shaderModule(device, info.vertex);
   const ShaderModuleHandle fragment =
       info.fragment.empty() ? ShaderModuleHandle() : shaderModule(device, info.fragment);
@@ -66,19 +70,20 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
       .depthTestEnable = info.depthTest || depthOnly,
       .depthWriteEnable = info.depthWrite || depthOnly,
       .depthCompareOp = depthOnly ? VK_COMPARE_OP_ALWAYS : VK_COMPARE_OP_LESS};
-  const VkPipelineColorBlendAttachmentState replace{.colorWriteMask =
-                                                        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                                                        VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
+  std::array<VkPipelineColorBlendAttachmentState, kMostColours> replace{};
+  for (VkPipelineColorBlendAttachmentState& state : replace)
+    state.colorWriteMask =
+        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
   const VkPipelineColorBlendStateCreateInfo blending{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-                                                     .attachmentCount = depthOnly ? 0u : 1u,
-                                                     .pAttachments = &replace};
+                                                     .attachmentCount = colours,
+                                                     .pAttachments = replace.data()};
   constexpr VkDynamicState kDynamic[]{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
                                                  .dynamicStateCount = 2,
                                                  .pDynamicStates = kDynamic};
   const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                                .colorAttachmentCount = depthOnly ? 0u : 1u,
-                                                .pColorAttachmentFormats = &info.colourFormat,
+                                                .colorAttachmentCount = colours,
+                                                .pColorAttachmentFormats = info.colourFormats.data(),
                                                 .depthAttachmentFormat = info.depthFormat};
 
   const VkGraphicsPipelineCreateInfo pipelineInfo{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,

@@ -27,10 +27,10 @@ struct GraphicsPipelineInfo {
   std::span<const VkVertexInputBindingDescription> bindings;
   std::span<const VkVertexInputAttributeDescription> attributes;
   VkPipelineLayout layout = VK_NULL_HANDLE;
-  VkRenderPass renderPass = VK_NULL_HANDLE;     // subpass 0, one colour attachment; or else
-  VkFormat colourFormat = VK_FORMAT_UNDEFINED;  // of dynamic rendering with one attachment and no depth; or else
-  VkFormat depthFormat = VK_FORMAT_UNDEFINED;   // of dynamic rendering that writes depth and nothing else, untested
-  bool depthTest = false;                       // passes where less
+  VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; or else
+  std::span<const VkFormat> colourFormats;     // of dynamic rendering
+  VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written untested
+  bool depthTest = false;                      // passes where less
   bool depthWrite = false;
   bool depthClamp = false;
 };

@@ -1,9 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cell_parameters.h"
 
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 namespace ibr {
+namespace {
+
+// Both eyes see one pattern of noise, as if it hung infinitely far away straight ahead; otherwise it would rival. What
+// is added to the second eye's pixels: the difference between where the two see the direction in their middle.
+shader::uvec2 noiseOffset(const FramePlan& plan, std::size_t view) {
+  if (view == 0) return {0, 0};
+  const Pose &first = plan.views[0].pose, &other = plan.views[view].pose;
+  const glm::dvec3 ahead = glm::slerp(first.rotation, other.rotation, 0.5) * glm::dvec3(0, 0, -1);
+  const auto in = [&](const Camera& eye) { return project(eye.intrinsics, glm::conjugate(eye.pose.rotation) * ahead); };
+  const auto here = in(plan.views[view]), there = in(plan.views[0]);
+  if (!here || !there) return {0, 0};
+  const auto wrapped = [](double pixels) {
+    const double tiles = std::round(pixels) / shader::kNoiseSize;
+    return std::uint32_t(std::lround((tiles - std::floor(tiles)) * shader::kNoiseSize)) % shader::kNoiseSize;
+  };
+  return {wrapped(there->x - here->x), wrapped(there->y - here->y)};
+}
+
+}  // namespace
 
 shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, const Step& step) noexcept {
   const Camera& eye = plan.views[view];
@@ -33,6 +53,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
   cell.alpha = (255.0f - 64.0f * float(step.tier)) / 255.0f;
   cell.table = step.table;
   cell.opacity = step.opacity;
+  cell.noise = noiseOffset(plan, view);
   return cell;
 }
 

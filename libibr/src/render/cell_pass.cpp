@@ -17,18 +17,8 @@
 #include "shared/cell.h"
 
 namespace ibr {
-namespace {
-
-// Without depth: what is drawn last wins.
-bool isPainters(const RenderSettings& settings) {
-  return settings.order == DrawOrder::paper || settings.colourMapping == ColourMapping::paper ||
-         settings.colourMapping == ColourMapping::paperRedraw;
-}
-
-}  // namespace
-
 CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-                   VkBuffer colourTables)
+                   VkBuffer colourTables, VkRenderPass eyesPass)
     : scene_(&scene.state()), views_(views), mayMap_(colourTables != VK_NULL_HANDLE) {
   const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
   const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
@@ -58,13 +48,16 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
     for (const bool dissolve : {false, true})
       for (const bool depth : {false, true})
-        for (const bool mapped : {false, true}) {
-          if ((dissolve && !mayDissolve) || (mapped && !mayMap_)) continue;
-          const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, mapped};
-          if (pipelines_.contains(key)) continue;
-          const CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
-          pipelines_.emplace(key, makeCellPipeline(device, key.variant, info));
-        }
+        for (const bool mapped : {false, true})
+          for (const bool eyes : {false, true}) {
+            if ((dissolve && !mayDissolve) || (mapped && !mayMap_) || (eyes && !eyesPass)) continue;
+            const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, mapped, eyes};
+            if (pipelines_.contains(key)) continue;
+            CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
+            if (eyes) info.renderPass = eyesPass;
+            if (eyes) info.vertices = CellVertices::forBothEyes;
+            pipelines_.emplace(key, makeCellPipeline(device, key.variant, info));
+          }
   };
   for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, true);
   for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
@@ -74,13 +67,20 @@ std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noex
   return kLargestStepCount * (views_ * std::uint32_t(order) + std::uint32_t(view));
 }
 
-VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noexcept {
-  const RenderSettings& settings = plan.settings;
+bool CellPass::isPainters(const RenderSettings& settings) noexcept {
+  return settings.order == DrawOrder::paper || settings.colourMapping == ColourMapping::paper ||
+         settings.colourMapping == ColourMapping::paperRedraw;
+}
+
+bool CellPass::isMapped(const FramePlan& plan, const Step& step) const noexcept {
   // Most of a picture is the main cell, whose table is the identity but for a second after a switch.
   const bool isIdentity = step.table == kColourSlotCount ||
                           (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
-  const bool mapped = mayMap_ && settings.colourMapping != ColourMapping::off && !isIdentity;
-  return pipelines_.at({variantOf(step), !isPainters(settings), mapped}).get();
+  return mayMap_ && plan.settings.colourMapping != ColourMapping::off && !isIdentity;
+}
+
+VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step, bool eyes) const noexcept {
+  return pipelines_.at({variantOf(step), !isPainters(plan.settings), isMapped(plan, step), eyes}).get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
@@ -104,22 +104,20 @@ void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) cons
 
 void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
                     VkExtent2D extent) const noexcept {
-  const Steps steps = stepsOf(*scene_, plan, order, view);
-  if (steps.count == 0) return;
-  const VkRect2D scissor{{0, 0}, extent};
-  vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
   bind(commandBuffer, layout_.get());
-  const bool paper = isPainters(plan.settings);
-  const float slots = float(steps.count + 1);
-  for (std::uint32_t k = 0; k < steps.count; ++k) {
-    const std::uint32_t s = paper ? steps.count - 1 - k : k;
-    const Step& step = steps.step[s];
-    const VkViewport viewport{
-        0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
-    vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
+  eachStep(commandBuffer, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
     vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step));
-    drawStep(commandBuffer, layout_.get(), step, firstParameter(order, view) + s);
-  }
+    drawStep(commandBuffer, layout_.get(), step, parameter);
+  });
+}
+
+void CellPass::drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept {
+  bind(commandBuffer, layout_.get());
+  // The second view's parameters lie kLargestStepCount behind the first's, and the vertex stage knows.
+  eachStep(commandBuffer, plan, Order::current, 0, extent, [&](const Step& step, std::uint32_t parameter) {
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step, true));
+    drawStep(commandBuffer, layout_.get(), step, parameter);
+  });
 }
 
 void CellPass::bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept {

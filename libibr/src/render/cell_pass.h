@@ -22,9 +22,10 @@ inline constexpr float kStepDepth = 1.0f - 1.0f / 1024.0f;
 class CellPass {
  public:
   /// `renderPass`: of the canvas, colour and depth. `views`: the most a plan will have.
+  /// `eyesPass`: of a canvas for both eyes; null: they are never drawn at once.
   /// `colourTables`: packed entries by slot (render/colour_tables.h); null: colours are never mapped.
   CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-           VkBuffer colourTables = VK_NULL_HANDLE);
+           VkBuffer colourTables = VK_NULL_HANDLE, VkRenderPass eyesPass = VK_NULL_HANDLE);
 
   /// Writes all parameters of the frame. Outside a render pass; waits for earlier frames' reads, makes its writes
   /// visible to `draw`.
@@ -33,6 +34,8 @@ class CellPass {
   /// Inside the canvas's render pass. Viewport and scissor are set here.
   void draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
             VkExtent2D extent) const noexcept;
+  /// The current order of both views, inside the pass of the canvas for both eyes.
+  void drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept;
 
   // For other passes that draw steps, with pipelines of their own (render/cell_pipeline.h) whose layouts begin with
   // frameLayout and that of the scene's PhotographSets.
@@ -42,8 +45,16 @@ class CellPass {
   void bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept;
   void drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
                 std::uint32_t parameter) const noexcept;
+  /// Whether what is drawn last wins, without depth.
+  static bool isPainters(const RenderSettings& settings) noexcept;
+  /// Whether a step's colours go through its table.
+  bool isMapped(const FramePlan& plan, const Step& step) const noexcept;
+  /// Calls draw(step, parameter) for each step in the plan's order; viewport and scissor are set.
+  template <class Draw>
+  void eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view, VkExtent2D extent,
+                const Draw& draw) const noexcept;
   /// As the plan wants it in the canvas.
-  VkPipeline pipeline(const FramePlan& plan, const Step& step) const noexcept;
+  VkPipeline pipeline(const FramePlan& plan, const Step& step, bool eyes = false) const noexcept;
   VkPipelineLayout layout() const noexcept { return layout_.get(); }
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
@@ -53,6 +64,7 @@ class CellPass {
     CellVariant variant;
     bool depth;   // our order
     bool mapped;  // colours go through their tables
+    bool eyes;    // both at once
     auto operator<=>(const Key&) const = default;
   };
 
@@ -66,5 +78,22 @@ class CellPass {
   std::map<Key, PipelineHandle> pipelines_;  // those that the scene's meshes need
   Buffer parameters_, noise_;
 };
+
+template <class Draw>
+void CellPass::eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+                        VkExtent2D extent, const Draw& draw) const noexcept {
+  const Steps steps = stepsOf(*scene_, plan, order, view);
+  const VkRect2D scissor{{0, 0}, extent};
+  vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
+  const bool painters = isPainters(plan.settings);
+  const float slots = float(steps.count + 1);
+  for (std::uint32_t k = 0; k < steps.count; ++k) {
+    const std::uint32_t s = painters ? steps.count - 1 - k : k;
+    const VkViewport viewport{
+        0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
+    vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
+    draw(steps.step[s], firstParameter(order, view) + s);
+  }
+}
 
 }  // namespace ibr

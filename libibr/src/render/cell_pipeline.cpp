@@ -6,7 +6,10 @@
 
 #include "gpu/pipeline.h"
 #include "render/gpu_scene.h"
+#include "shaders/buffers_vert.h"
+#include "shaders/cell_multiview_vert.h"
 #include "shaders/cell_vert.h"
+#include "shaders/wireframe_vert.h"
 #include "shared/cell.h"
 
 namespace ibr {
@@ -18,31 +21,51 @@ struct Constants {  // specialisation constants of the cell shaders
   VkBool32 dissolve;
   std::uint32_t panoramas;
   VkBool32 mapped;
+  std::uint32_t viewStride;
 };
 
 }  // namespace
 
 PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& wanted) {
   const auto members = std::uint32_t(variant.members);
-  std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 1> attributes;
+  std::array<VkVertexInputAttributeDescription, shader::kMaxMembers + 2> attributes;
   for (std::uint32_t i = 0; i < shader::kMaxMembers; ++i)
     attributes[i] = {i, 0, VK_FORMAT_R32G32B32_SFLOAT, std::min(i, members - 1) * 12};
   attributes[shader::kMaxMembers] = {shader::kMaxMembers, 0, VK_FORMAT_R32_SFLOAT, members * 12};
-  const VkVertexInputBindingDescription binding{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX};
-  constexpr std::array<VkSpecializationMapEntry, 5> kEntries{{{0, offsetof(Constants, members), 4},
+  attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
+  const std::array<VkVertexInputBindingDescription, 2> bindings{
+      {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
+  constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Constants, members), 4},
                                                               {1, offsetof(Constants, onePage), 4},
                                                               {2, offsetof(Constants, dissolve), 4},
                                                               {3, offsetof(Constants, panoramas), 4},
-                                                              {7, offsetof(Constants, mapped), 4}}};
-  const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve, variant.panoramas, wanted.mapped};
+                                                              {7, offsetof(Constants, mapped), 4},
+                                                              {8, offsetof(Constants, viewStride), 4}}};
+  const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve,
+                            variant.panoramas,     wanted.mapped,   kLargestStepCount};
   GraphicsPipelineInfo info;
-  info.vertex = shaders::cell_vert;
+  switch (wanted.vertices) {
+    case CellVertices::attributes:
+    case CellVertices::forBothEyes:
+      info.vertex = wanted.vertices == CellVertices::attributes ? shaders::cell_vert : shaders::cell_multiview_vert;
+      info.bindings = std::span(bindings).first(1);
+      info.attributes = std::span(attributes).first(attributes.size() - 1);
+      break;
+    case CellVertices::withUncertainty:
+      info.vertex = shaders::buffers_vert;
+      info.bindings = bindings;
+      info.attributes = attributes;
+      break;
+    case CellVertices::fetched:
+      info.vertex = shaders::wireframe_vert;
+      break;
+  }
   info.fragment = wanted.fragment;
   info.specialisation = {kEntries, std::as_bytes(std::span(&constants, 1))};
-  info.bindings = {&binding, 1};
-  info.attributes = attributes;
   info.layout = wanted.layout;
   info.renderPass = wanted.renderPass;
+  info.colourFormats = wanted.colourFormats;
+  info.depthFormat = wanted.depthFormat;
   info.depthTest = info.depthWrite = wanted.depth;
   info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
   info.name = wanted.name;

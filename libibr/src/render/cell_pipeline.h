@@ -26,13 +26,24 @@ inline CellVariant variantOf(const Step& step) {
   return {step.mesh->cameras.size(), step.mesh->panoramas, step.mesh->onePage, step.opacity < 1.0f};
 }
 
+/// What the vertex stage reads.
+enum class CellVertices : std::uint8_t {
+  attributes,       // q_i and ρ: cell.vert
+  forBothEyes,      // the same: cell_multiview.vert
+  withUncertainty,  // and that of ρ, in a second buffer: buffers.vert
+  fetched,          // nothing: wireframe.vert fetches for itself
+};
+
 struct CellPipelineInfo {
   const char* name = "";
   std::span<const std::uint32_t> fragment;  // begins with shaders/render/cell_colour.glsl
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkRenderPass renderPass = VK_NULL_HANDLE;
   bool depth = false;   // test and write
-  bool mapped = false;  // kMapped of cell.frag
+  bool mapped = false;  // kMapped of cell_mapped.glsl
+  CellVertices vertices = CellVertices::attributes;
+  std::span<const VkFormat> colourFormats;  // without a render pass: of dynamic rendering, with
+  VkFormat depthFormat = VK_FORMAT_UNDEFINED;
 };
 
 PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& info);

@@ -8,6 +8,7 @@
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
+#include "render/floor.h"
 #include "shaders/composite_frag.h"
 #include "shaders/composite_vert.h"
 
@@ -33,8 +34,9 @@ struct Constants {
   std::uint32_t keepTier;
   glm::vec2 fillExtent;
   float formerWeight;
+  shader::FloorConstants floor;
 };
-static_assert(sizeof(Constants) == 28);
+static_assert(sizeof(Constants) == 80);
 
 }  // namespace
 
@@ -42,7 +44,8 @@ bool CompositePass::supports(VkFormat format) noexcept {
   return indexOf(format) < kFormats.size();
 }
 
-CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* former, const FillPass* fill) {
+CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former,
+                             const FillPass* fill) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
   VkSamplerCreateInfo linear = nearest;
@@ -53,13 +56,17 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   setLayout_ = makeSetLayout(device, bindings);
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, std::uint32_t(bindings.size())};
-  pool_ = makeDescriptorPool(device, 1, {&size, 1});
-  set_ = allocateSet(device, pool_.get(), setLayout_.get());
-  writeSampledImage(device, set_, 0, sampler_.get(), canvas.colourView());
-  // What there is not is not read; a binding must hold something all the same.
-  writeSampledImage(device, set_, 1, sampler_.get(), (former ? *former : canvas).colourView());
-  writeSampledImage(device, set_, 2, linear_.get(), fill ? fill->colours().view() : canvas.colourView());
+  const std::vector<CanvasSource> sources = sourcesOf(canvas, eyes);
+  const auto count = std::uint32_t(sources.size());
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * std::uint32_t(bindings.size())};
+  pool_ = makeDescriptorPool(device, count, {&size, 1});
+  for (const CanvasSource& source : sources) {
+    const VkDescriptorSet set = sets_.emplace_back(allocateSet(device, pool_.get(), setLayout_.get()));
+    writeSampledImage(device, set, 0, sampler_.get(), source.colour);
+    // What there is not is not read; a binding must hold something all the same.
+    writeSampledImage(device, set, 1, sampler_.get(), former ? former->colourView() : source.colour);
+    writeSampledImage(device, set, 2, linear_.get(), fill ? fill->colours().view() : source.colour);
+  }
 
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
@@ -72,14 +79,14 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
     info.fragment = shaders::composite_frag;
     info.specialisation = {{&entry, 1}, std::as_bytes(std::span(&srgb, 1))};
     info.layout = layout_.get();
-    info.colourFormat = format.format;
+    info.colourFormats = {&format.format, 1};
     info.name = "composite";
     pipelines_.push_back(makeGraphicsPipeline(device, info));
   }
 }
 
-void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight,
-                           bool filled, const Target& target) const noexcept {
+void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
+                           float formerWeight, bool filled, const Target& target) const noexcept {
   assert(supports(target.format));
   transition(commandBuffer, target.image, target.before, use::kColourAttachment);
   VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -97,8 +104,11 @@ void CompositePass::record(VkCommandBuffer commandBuffer, const RenderSettings& 
   vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
   vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
-  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
-  Constants constants{settings.background, settings.alpha == AlphaContent::tier, {0, 0}, formerWeight};
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0,
+                          nullptr);
+  const RenderSettings& settings = plan.settings;
+  Constants constants{
+      settings.background, settings.alpha == AlphaContent::tier, {0, 0}, formerWeight, floorConstants(plan, view)};
   if (filled) {
     const VkExtent2D used = FillPass::coarser(target.extent);
     constants.fillExtent = {float(used.width), float(used.height)};

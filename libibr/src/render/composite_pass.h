@@ -11,14 +11,14 @@ namespace ibr {
 
 class CompositePass {
  public:
-  /// `former`: the canvas of the order before a switch; `fill`: what shows where nothing was drawn. Null: there is
-  /// none.
-  CompositePass(Device& device, const Canvas& canvas, const Canvas* former, const FillPass* fill);
+  /// `eyes`: a canvas of two layers that is composed too; `former`: the canvas of the order before a switch; `fill`:
+  /// what shows where nothing was drawn. Null: there is none.
+  CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former, const FillPass* fill);
 
   /// Outside a render pass; the canvas has been ended, the former one where formerWeight > 0, and the fill pass was
-  /// recorded where `filled`. target.before → target.after; the whole extent is written.
-  void record(VkCommandBuffer commandBuffer, const RenderSettings& settings, float formerWeight, bool filled,
-              const Target& target) const noexcept;
+  /// recorded where `filled`. `source`: as of FillPass. target.before → target.after; the whole extent is written.
+  void record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
+              float formerWeight, bool filled, const Target& target) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
@@ -28,7 +28,7 @@ class CompositePass {
   SamplerHandle sampler_, linear_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  std::vector<VkDescriptorSet> sets_;  // by source
   PipelineLayoutHandle layout_;
   std::vector<PipelineHandle> pipelines_;  // one a supported format
 };

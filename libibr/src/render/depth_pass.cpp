@@ -32,16 +32,19 @@ bool DepthPass::supports(VkFormat format) noexcept {
   return indexOf(format) < kFormats.size();
 }
 
-DepthPass::DepthPass(const Device& device, const Canvas& canvas) {
+DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
   const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
                                              VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   setLayout_ = makeSetLayout(device, {&binding, 1});
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
-  pool_ = makeDescriptorPool(device, 1, {&size, 1});
-  set_ = allocateSet(device, pool_.get(), setLayout_.get());
-  writeSampledImage(device, set_, 0, sampler_.get(), canvas.depthView());
+  const std::vector<CanvasSource> sources = sourcesOf(canvas, eyes);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, std::uint32_t(sources.size())};
+  pool_ = makeDescriptorPool(device, std::uint32_t(sources.size()), {&size, 1});
+  for (const CanvasSource& source : sources) {
+    sets_.push_back(allocateSet(device, pool_.get(), setLayout_.get()));
+    writeSampledImage(device, sets_.back(), 0, sampler_.get(), source.depth);
+  }
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
@@ -53,8 +56,8 @@ DepthPass::DepthPass(const Device& device, const Canvas& canvas) {
                                                        .depthFormat = format}));
 }
 
-void DepthPass::record(VkCommandBuffer commands, std::uint32_t steps, double nearDistance, VkExtent2D extent,
-                       const DepthTarget& target) const noexcept {
+void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance,
+                       VkExtent2D extent, const DepthTarget& target) const noexcept {
   assert(supports(target.format));
   transition(commands, target.image, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -71,7 +74,7 @@ void DepthPass::record(VkCommandBuffer commands, std::uint32_t steps, double nea
   vkCmdSetViewport(commands, 0, 1, &viewport);
   vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0, nullptr);
   // near → 0 and far → 1; an infinite far plane is the limit.
   const double n = target.nearPlane, f = target.farPlane;
   double offset = std::isinf(f) ? 1.0 : f / (f - n);

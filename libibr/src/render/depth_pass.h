@@ -5,19 +5,21 @@
 
 #include <vector>
 
-#include "gpu/canvas.h"
 #include "gpu/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
+#include "render/canvas_source.h"
 
 namespace ibr {
 
 class DepthPass {
  public:
-  DepthPass(const Device& device, const Canvas& canvas);
+  /// `eyes`: a canvas of two layers that is read too; null: there is none.
+  DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes = nullptr);
 
-  /// Outside a render pass; the canvas has been ended. `steps`: how many were drawn into it with our order.
-  void record(VkCommandBuffer commands, std::uint32_t steps, double nearDistance, VkExtent2D extent,
+  /// Outside a render pass; the canvas has been ended. `source`: as of FillPass; `steps`: how many were drawn into it
+  /// with our order.
+  void record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance, VkExtent2D extent,
               const DepthTarget& target) const noexcept;
 
   static bool supports(VkFormat format) noexcept;
@@ -27,7 +29,7 @@ class DepthPass {
   SamplerHandle sampler_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  std::vector<VkDescriptorSet> sets_;  // by source
   PipelineLayoutHandle layout_;
   std::vector<PipelineHandle> pipelines_;  // one a supported format
 };

@@ -49,7 +49,7 @@ constexpr ImageUse kComputeSampled{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_
 
 }  // namespace
 
-FillPass::FillPass(const Device& device, const Canvas& canvas) {
+FillPass::FillPass(const Device& device, const Canvas& canvas, const Canvas* eyes) {
   VkExtent2D extent = canvas.largest();
   do {
     extent = coarser(extent);
@@ -67,18 +67,21 @@ FillPass::FillPass(const Device& device, const Canvas& canvas) {
       {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr},
   }};
   setLayout_ = makeSetLayout(device, bindings);
-  const auto sets = std::uint32_t(2 * levels_.size() - 1);
+  const std::vector<CanvasSource> sources = sourcesOf(canvas, eyes);
+  const auto sets = std::uint32_t(sources.size() + 2 * (levels_.size() - 1));
   const std::array<VkDescriptorPoolSize, 2> sizes{
       {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets}, {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, sets}}};
   pool_ = makeDescriptorPool(device, sets, sizes);
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
-    pull_.push_back(allocateSet(device, pool_.get(), setLayout_.get()));
-    writeSampledImage(device, pull_[l], 0, sampler_.get(), l == 0 ? canvas.colourView() : levels_[l - 1].view());
-    writeStorageImage(device, pull_[l], 1, levels_[l].view());
-    if (l + 1 == levels_.size()) break;
-    push_.push_back(allocateSet(device, pool_.get(), setLayout_.get()));
-    writeSampledImage(device, push_[l], 0, sampler_.get(), levels_[l + 1].view());
-    writeStorageImage(device, push_[l], 1, levels_[l].view());
+  const auto makeSet = [&](VkImageView from, const GpuImage& to) {
+    const VkDescriptorSet set = allocateSet(device, pool_.get(), setLayout_.get());
+    writeSampledImage(device, set, 0, sampler_.get(), from);
+    writeStorageImage(device, set, 1, to.view());
+    return set;
+  };
+  for (const CanvasSource& source : sources) pullFirst_.push_back(makeSet(source.colour, levels_[0]));
+  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
+    pull_.push_back(makeSet(levels_[l].view(), levels_[l + 1]));
+    push_.push_back(makeSet(levels_[l + 1].view(), levels_[l]));
   }
 
   const VkDescriptorSetLayout setLayout = setLayout_.get();
@@ -117,7 +120,7 @@ std::uint32_t FillPass::dispatchCount(VkExtent2D extent) noexcept {
   return 2 * levelsIn(extent).count - 1;
 }
 
-void FillPass::record(VkCommandBuffer commands, VkExtent2D extent) const noexcept {
+void FillPass::record(VkCommandBuffer commands, VkExtent2D extent, std::size_t source) const noexcept {
   const auto [extents, used] = levelsIn(extent);
 
   // Contents are not needed; the frame before may still read them in its composition.
@@ -128,8 +131,8 @@ void FillPass::record(VkCommandBuffer commands, VkExtent2D extent) const noexcep
                 {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT});
   for (std::size_t l = 0; l < used; ++l) {
     transition(commands, levels_[l].get(), kReadBefore, use::kStorage);
-    dispatch(commands, l == 0 ? pullCanvas_.get() : pullLevel_.get(), pull_[l], extents[l], extents[l + 1],
-             extents[l + 1]);
+    dispatch(commands, l == 0 ? pullCanvas_.get() : pullLevel_.get(), l == 0 ? pullFirst_[source] : pull_[l - 1],
+             extents[l], extents[l + 1], extents[l + 1]);
     transition(commands, levels_[l].get(), use::kStorage, kComputeSampled);
   }
   for (std::size_t l = used - 1; l-- > 0;) {

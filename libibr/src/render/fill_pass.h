@@ -5,20 +5,22 @@
 
 #include <vector>
 
-#include "gpu/canvas.h"
 #include "gpu/gpu_image.h"
 #include "gpu/handle.h"
 #include "ibr/device.h"
+#include "render/canvas_source.h"
 
 namespace ibr {
 
 class FillPass {
  public:
-  FillPass(const Device& device, const Canvas& canvas);
+  /// `eyes`: a canvas of two layers that is filled too; null: there is none.
+  FillPass(const Device& device, const Canvas& canvas, const Canvas* eyes = nullptr);
 
-  /// Outside a render pass, after the canvas was ended; `extent` as it was begun with. Afterwards colours() is in
+  /// Outside a render pass, after the canvas was ended; `extent` as it was begun with. `source`: kFromCanvas, or
+  /// kFromEyes and the layer. Afterwards colours() is in
   /// use::kSampled. Waits for the frame before it to have read them.
-  void record(VkCommandBuffer commands, VkExtent2D extent) const noexcept;
+  void record(VkCommandBuffer commands, VkExtent2D extent, std::size_t source = kFromCanvas) const noexcept;
 
   const GpuImage& colours() const noexcept { return levels_[0]; }
   VkDeviceSize allocatedBytes() const noexcept;
@@ -36,7 +38,8 @@ class FillPass {
   SamplerHandle sampler_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
-  std::vector<VkDescriptorSet> pull_, push_;  // pull_[l] writes level l; push_[l] fills level l from l + 1
+  std::vector<VkDescriptorSet> pullFirst_;    // by source: writes level 0
+  std::vector<VkDescriptorSet> pull_, push_;  // pull_[l] writes level l + 1 from l; push_[l] the other way
   PipelineLayoutHandle layout_;
   PipelineHandle pullCanvas_, pullLevel_, pushLevel_;
 };

@@ -17,8 +17,8 @@ void forCells(const FramePlan& plan, Order order, Visit&& visit) {
   std::size_t left = order == Order::current ? 0 : plan.leaving.size();
   for (std::size_t c = 0; c <= cells.size(); ++c) {
     for (; left < plan.leaving.size() && plan.leaving[left].before <= c; ++left)
-      visit(plan.leaving[left].planned, kNoCell);
-    if (c < cells.size()) visit(cells[c], std::uint32_t(c));
+      visit(plan.leaving[left].planned, kNoCell, std::uint32_t(c));
+    if (c < cells.size()) visit(cells[c], std::uint32_t(c), std::uint32_t(c));
   }
 }
 
@@ -27,21 +27,25 @@ void forCells(const FramePlan& plan, Order order, Visit&& visit) {
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept {
   Steps steps;
   const auto add = [&](const GpuScene::State::Mesh& mesh, Tier tier, const PlannedCell::View& weights, double opacity,
-                       std::uint32_t cell, std::uint32_t table) {
+                       std::uint32_t cell, std::uint32_t table, std::uint32_t rank, double extrapolation) {
     const GpuScene::State::Range& range = mesh.tier[tier == kTierRejected];
-    if (range.indexCount > 0) steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table};
+    if (range.indexCount > 0)
+      steps.step[steps.count++] = {
+          &mesh, range, weights, tier, float(opacity), cell, table, rank, float(extrapolation)};
   };
-  forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
-    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot);
+  forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
+    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
+        cell.extrapolationDistance);
   });
   if (plan.settings.lowestTier >= kTierRejected)
-    forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
-      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot);
+    forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
+      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot, rank,
+          cell.extrapolationDistance);
     });
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
       add(scene.backdrops[plan.backdrops[b]], kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-          plan.colour.backdropSlots[b]);
+          plan.colour.backdropSlots[b], std::uint32_t(b), 0.0);
   return steps;
 }
 

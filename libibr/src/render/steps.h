@@ -27,6 +27,8 @@ struct Step {
   float opacity;
   std::uint32_t cell;   // among the planned cells (tiers 0 and 1) or backdrops; kNoCell for one that leaves
   std::uint32_t table;  // colour slot
+  std::uint32_t rank;   // of the cell, or of that before which a leaving one is drawn; of a backdrop among backdrops
+  float extrapolation;  // PlannedCell::extrapolationDistance
 };
 
 /// Best first, without allocation.

@@ -1,0 +1,6 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+layout(location = 0) flat in vec2 inColour;
+layout(location = 0) out vec4 outColour;
+
+void main() { outColour = vec4(inColour, 0.0, 1.0); }

@@ -1,0 +1,44 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// What is known of a pixel beside its colour: BufferTargets in ibr/target.h.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "render/cell_colour.glsl"
+
+layout(location = 5) in float inInverseDistance;  // ρ
+layout(location = 6) in float inUncertainty;
+
+layout(push_constant) uniform Constants {
+  float tier;
+  float rank;
+  float extrapolation;
+};
+
+layout(location = 0) out vec4 outSurface;  // depth, tier, rank, extrapolation distance
+layout(location = 1) out vec4 outWeights;
+layout(location = 2) out vec2 outConfidence;  // spread, uncertainty
+
+void main() {
+  Sampling samplings[kMaxMembers];
+  for (int i = 0; i < kMembers; ++i) samplings[i] = sampling(i, 1.0);
+  if (kDissolve && isDissolved(uvec2(gl_FragCoord.xy))) discard;
+  vec3 colours[kMaxMembers];
+  vec4 weights = vec4(0.0);
+  vec3 mean = vec3(0.0);
+  for (int i = 0; i < kMembers; ++i) {
+    weights[i] = cells[inCell].member[i].blend;
+    colours[i] = vec3(0.0);
+    if (weights[i] <= 0.0) continue;
+    const float last = ceil(samplings[i].reach);
+    for (float k = -last; k <= last; ++k) colours[i] += tap(i, i, samplings[i], k);
+    mean += weights[i] * colours[i];
+  }
+  float variance = 0.0;
+  for (int i = 0; i < kMembers; ++i)
+    if (weights[i] > 0.0) variance += weights[i] * dot(colours[i] - mean, colours[i] - mean) / 3.0;
+  // ρ shares the vertex's scale with clip space, so that ρ / w is the inverse depth.
+  const float inverseDepth = inInverseDistance * gl_FragCoord.w;
+  outSurface = vec4(1.0 / max(inverseDepth, 0.0), tier, rank, extrapolation);
+  outWeights = weights;
+  outConfidence = vec2(sqrt(variance), inUncertainty);
+}

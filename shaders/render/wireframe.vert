@@ -1,0 +1,28 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// A corner of a triangle that knows which corner it is: vertices are fetched here, since an indexed vertex is a
+// different corner of each of its triangles.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "render/cell_vertex.glsl"
+#include "shared/wireframe.h"
+
+layout(set = kSetMeshes, binding = 0, scalar) readonly buffer Vertices { float vertices[]; };  // q_0 …, ρ
+layout(set = kSetMeshes, binding = 1, scalar) readonly buffer Indices { uint indices[]; };
+layout(push_constant, scalar) uniform Constants { WireframeConstants constants; };
+
+layout(location = 5) out vec3 outCorner;
+
+void main() {
+  uint at = constants.firstFloat + indices[constants.firstIndex + gl_VertexIndex] * uint(3 * kMembers + 1);
+  vec3 points[kMaxMembers];
+  for (int i = 0; i < kMaxMembers; ++i) {
+    points[i] = vec3(0.0);
+    if (i >= kMembers) continue;
+    points[i] = vec3(vertices[at], vertices[at + 1], vertices[at + 2]);
+    at += 3;
+  }
+  placeVertex(points, vertices[at], gl_InstanceIndex);
+  const int corner = gl_VertexIndex % 3;
+  outCorner = vec3(corner == 0, corner == 1, corner == 2);
+}

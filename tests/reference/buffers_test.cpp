@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is known of pixels beside their colours (BufferTargets): relations, and the twin.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "reference/cell_pass_reference.h"
+#include "reference/stage.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+VkExtent2D extentOf(const FramePlan& plan) {
+  const Intrinsics& k = plan.views[0].intrinsics;
+  return {std::uint32_t(k.width), std::uint32_t(k.height)};
+}
+
+// One renderer for many frames: its pipelines are what takes time.
+class Recorder {
+ public:
+  explicit Recorder(const Stage& stage)
+      : renderer_(testDevice(), stage.gpuScene(), {.largest = {400, 360}, .fill = false, .buffers = &stage.scene()}) {}
+
+  FrameBuffers buffers(const FramePlan& plan) const {
+    OffscreenBuffers offscreen(testDevice(), extentOf(plan));
+    return offscreen.render(
+        [&](VkCommandBuffer commands) { renderer_.recordBuffers(commands, plan, 0, offscreen.targets()); });
+  }
+  Image8 picture(const FramePlan& plan) const {
+    Offscreen offscreen(testDevice(), extentOf(plan));
+    return offscreen.render([&](VkCommandBuffer commands) { renderer_.record(commands, plan, offscreen.target()); });
+  }
+
+ private:
+  Renderer renderer_;
+};
+
+// Two cells and backdrops, made once: that takes longer than a picture.
+const SyntheticScene& richPlace() {
+  static const SyntheticScene place = [] {
+    SyntheticOptions options = test::place(4);
+    options.cells = {{0, 1, 2}, {1, 2, 3}};
+    SyntheticScene made = makeScene(options);
+    addBackdrops(made, options);
+    for (std::size_t i = 0; i < made.photographs.size(); ++i)  // unlike one another, so that there is spread
+      for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
+    for (Cell& cell : made.scene.cells)
+      for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p)
+        cell.mesh.uncertainty[p] = 0.01f * cell.mesh.inverseDistance[p] * float(1 + p % 5);
+    return made;
+  }();
+  return place;
+}
+
+}  // namespace
+
+TEST_CASE("buffers are the twin's") {
+  const Stage stage(testDevice(), richPlace());
+  const Recorder recorder(stage);
+  for (const BlendMode blend : {BlendMode::blend, BlendMode::dither}) {
+    RenderSettings settings = withTiers();
+    settings.blend = blend;
+    const FramePlan plan = stage.plan(cameraAt({0.6, 0.4, 0.2}, 0.1), settings);
+    const FrameBuffers buffers = recorder.buffers(plan);
+    const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+    std::size_t compared = 0, drawn = 0, wrong[6] = {};
+    int tiers = 0, ranks = 0;
+    for (int y = 0; y < twin.height; ++y)
+      for (int x = 0; x < twin.width; ++x) {
+        const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
+        if (!twin.safe[at]) continue;
+        const reference::Known& known = twin.known[at];
+        const auto surface = buffers.surface.pixel(x, y), weights = buffers.weights.pixel(x, y),
+                   confidence = buffers.confidence.pixel(x, y);
+        ++compared;
+        wrong[0] += float(known.tier) != surface[1];
+        wrong[1] += float(known.rank) != surface[2];
+        if (known.tier < 0) {
+          wrong[2] += !std::isinf(surface[0]) || !std::isinf(confidence[1]) || weights[0] != 0;
+          continue;
+        }
+        ++drawn;
+        tiers |= 1 << known.tier;
+        ranks |= 1 << known.rank;
+        // Near a fold the nearer of two triangles may be the other one.
+        wrong[2] += !(std::abs(surface[0] - known.depth) <= 1e-3 * known.depth);
+        wrong[3] += std::abs(surface[3] - known.extrapolation) > 1e-6;
+        for (int i = 0; i < 4; ++i) wrong[4] += std::abs(weights[i] - known.weights[i]) > 1e-6;
+        wrong[5] += std::abs(confidence[1] - known.uncertainty) > 1e-3 * known.uncertainty + 1e-9;
+        const double tolerance = (2 + std::exp2(-8) * (twin.range[at] + twin.levelRange[at]) * 4) / 255;
+        wrong[5] += std::abs(confidence[0] - known.spread) > tolerance;
+      }
+    CHECK(drawn > compared / 2);
+    CHECK(tiers == 0b101);  // this place rejects no triangle
+    CHECK(ranks >= 0b11);
+    for (const std::size_t count : wrong) CHECK(double(count) <= 1e-3 * double(compared));
+  }
+}
+
+TEST_CASE("at a photograph's pose: its mesh's depth, its weight alone, no spread") {
+  const Stage stage(testDevice(), richPlace());
+  const Recorder recorder(stage);
+  for (std::size_t i : {0u, 1u, 3u}) {
+    const Camera& camera = stage.scene().nodes[i].camera;
+    const FramePlan plan = stage.plan(camera, withTiers());
+    const Cell& main = stage.scene().cells[plan.cells[0].cell];
+    const FrameBuffers buffers = recorder.buffers(plan);
+    const ImageF truth = renderDepth(stage.place(), camera);
+    std::size_t compared = 0, wrongDepth = 0, wrongWeights = 0, spread = 0;
+    for (int y = 1; y + 1 < truth.height; ++y)
+      for (int x = 1; x + 1 < truth.width; ++x) {
+        const auto surface = buffers.surface.pixel(x, y), weights = buffers.weights.pixel(x, y);
+        if (surface[1] != 0 || surface[2] != 0) continue;
+        const float here = truth.pixel(x, y)[0];
+        if (std::abs(truth.pixel(x - 1, y)[0] - here) > 0.5 || std::abs(truth.pixel(x + 1, y)[0] - here) > 0.5 ||
+            std::abs(truth.pixel(x, y - 1)[0] - here) > 0.5 || std::abs(truth.pixel(x, y + 1)[0] - here) > 0.5)
+          continue;
+        ++compared;
+        wrongDepth += !(std::abs(surface[0] - here) <= 2e-3 * here);
+        for (std::size_t m = 0; m < main.members.size(); ++m)
+          wrongWeights += std::abs(weights[m] - (main.members[m] == i ? 1.0f : 0.0f)) > 1e-5;
+        spread += buffers.confidence.pixel(x, y)[0] > 1e-6;
+      }
+    INFO("photograph " << i);
+    CHECK(compared > truth.values.size() / 10);
+    CHECK(double(wrongDepth) <= 0.01 * double(compared));
+    CHECK(wrongWeights == 0);
+    CHECK(spread == 0);
+  }
+}
+
+TEST_CASE("tiers are those of the picture's alpha, in either order, dissolving cells included") {
+  const Stage stage(testDevice(), richPlace());
+  const Recorder recorder(stage);
+  for (const DrawOrder order : {DrawOrder::ours, DrawOrder::paper})
+    for (const Camera& view : {cameraAt({0.6, 0.4, 0.2}, 0.1), cameraAt({-1.9, 0.4, 0.2}, -0.1)}) {
+      RenderSettings settings = withTiers();
+      settings.order = order;
+      const FramePlan plan = stage.plan(view, settings);
+      const Image8 picture = recorder.picture(plan);
+      const FrameBuffers buffers = recorder.buffers(plan);
+      std::size_t wrong = 0, drawn = 0;
+      for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+          const int alpha = picture.pixel(x, y)[3];
+          drawn += alpha > 0;
+          wrong += (alpha == 0 ? -1.0f : float(255 - alpha) / 64.0f) != buffers.surface.pixel(x, y)[1];
+        }
+      CHECK(drawn > 0);
+      CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("buffers leave the picture alone, may share its command buffer, and know a point at infinity") {
+  SyntheticOptions options = place(2);
+  options.atInfinity = true;
+  const Stage stage(testDevice(), makeScene(options));
+  RenderSettings settings;
+  settings.lowestTier = kTierFilled;
+  const FramePlan plan = stage.plan(cameraAt({0.4, 0, 0}), settings);
+  const Image8 expected = stage.render(plan);
+  const Renderer renderer(testDevice(), stage.gpuScene(), {.largest = {320, 240}, .buffers = &stage.scene()});
+  Offscreen offscreen(testDevice(), {320, 240});
+  OffscreenBuffers floats(testDevice(), {320, 240});
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    const FrameBuffers buffers = floats.render([&](VkCommandBuffer commands) {
+      renderer.record(commands, plan, offscreen.target());
+      renderer.recordBuffers(commands, plan, 0, floats.targets());
+    });
+    CHECK(offscreen.render([](VkCommandBuffer) {}) == expected);
+    for (int x = 0; x < 320; ++x) {
+      CHECK(std::isinf(buffers.surface.pixel(x, 120)[0]));
+      CHECK((buffers.surface.pixel(x, 120)[1] == 0 || buffers.surface.pixel(x, 120)[1] == 3));
+    }
+  }
+}
+
+TEST_CASE("who does not ask pays nothing; who asks is told") {
+  const Stage stage(testDevice(), richPlace());
+  const FramePlan plan = stage.plan(cameraAt({0.6, 0.4, 0.2}, 0.1), withTiers());
+  const auto counters = [&](RendererOptions options) {
+    options.largest = {320, 240};
+    return Renderer(testDevice(), stage.gpuScene(), options).count(plan);
+  };
+  const auto none = counters({}), buffers = counters({.buffers = &stage.scene()}),
+             edges = counters({.wireframe = true});
+  CHECK(buffers.pipelines > none.pipelines);
+  CHECK(buffers.workingBytes > none.workingBytes);
+  CHECK(edges.pipelines > none.pipelines);
+  CHECK(edges.workingBytes == none.workingBytes);
+  CHECK((buffers.passes == none.passes && buffers.draws == none.draws));
+}

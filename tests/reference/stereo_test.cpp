@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two eyes in one plan ([T] §2.5.4).
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "gpu/multiview.h"
+#include "ibr/metrics.h"
+#include "reference/compare.h"
+#include "reference/stage.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// Eyes side by side, each with its principal point off-centre by `skew` pixels towards the nose.
+std::vector<Camera> eyes(double ipd, double skew, double canting = 0) {
+  std::vector<Camera> views{cameraAt({0.4, 0.2, 0.05}, 0.03), cameraAt({0.4, 0.2, 0.05}, 0.03)};
+  for (int e = 0; e < 2; ++e) {
+    const double side = e == 0 ? -1 : 1;
+    views[e].pose.position += views[e].pose.rotation * glm::dvec3(side * 0.5 * ipd, 0, 0);
+    views[e].pose.rotation *= glm::angleAxis(-side * canting, glm::dvec3(0, 1, 0));
+    views[e].intrinsics.cx -= side * skew;
+  }
+  return views;
+}
+
+}  // namespace
+
+TEST_CASE("each eye's picture is the twin's, off-centre and dithered") {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}};
+  const Stage stage(testDevice(), makeScene(options));
+  RenderSettings settings = withTiers();
+  settings.blend = BlendMode::dither;
+  const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 21.3), settings});
+  for (std::size_t view : {0u, 1u}) compareWithTwin(stage, plan, 0.25, 0.4, view);
+}
+
+TEST_CASE("the eyes' pictures are those of an eye alone, where the order is the same") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  const std::vector<Camera> views = eyes(0.064, 12);
+  const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {views, withTiers()});
+  const std::vector<Image8> pictures = stage.renderViews(plan);
+  for (int e = 0; e < 2; ++e) CHECK(pictures[e] == stage.render(views[e], withTiers()));
+}
+
+TEST_CASE("what is far away is dithered alike in both eyes") {
+  SyntheticOptions options = place(3);
+  options.atInfinity = true;
+  SyntheticScene made = makeScene(options);
+  // Unlike one another, so that there is grain.
+  for (std::size_t i = 0; i < made.photographs.size(); ++i)
+    for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 50 * i);
+  const Stage stage(testDevice(), made);
+  RenderSettings settings = withTiers();
+  settings.blend = BlendMode::dither;
+  struct Row {
+    double skew, canting;
+    int shift;  // px from a far point in the left picture to the same in the right one
+  };
+  // Displays turned outwards: with pixels of one focal length the pattern fits in the middle.
+  const double focal = eyes(0, 0)[0].intrinsics.fx;
+  for (const Row& row : {Row{0, 0, 0}, Row{21, 0, -42}, Row{0, std::atan(10 / focal), -20}}) {
+    // So near that both eyes have nearly the same weights.
+    const FramePlan plan =
+        planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.002, row.skew, row.canting), settings});
+    const std::vector<Image8> pictures = stage.renderViews(plan);
+    RenderSettings blended = settings;
+    blended.blend = BlendMode::blend;
+    FramePlan plain = plan;
+    plain.settings = blended;
+    const std::vector<Image8> smooth = stage.renderViews(plain);
+    // The grain: what dithering changes. Compared about the middle of the left picture.
+    std::size_t grain = 0, differs = 0;
+    for (int y = 100; y < 140; ++y)
+      for (int x = 130; x < 190; ++x) {
+        const int left = pictures[0].pixel(x, y)[0] - smooth[0].pixel(x, y)[0];
+        const int right = pictures[1].pixel(x + row.shift, y)[0] - smooth[1].pixel(x + row.shift, y)[0];
+        grain += std::abs(left) > 12;
+        differs += std::abs(left - right) > 12;
+      }
+    INFO("skew " << row.skew << ", canting " << row.canting);
+    CHECK(grain > 300);
+    CHECK(double(differs) < 0.15 * double(grain));
+  }
+}
+
+TEST_CASE("multiview is probed, not believed; the pixels are the same with it and without") {
+  const bool works = multiviewWorks(testDevice());
+  const std::string name = testDevice().name();
+  INFO(name);
+  if (name.find("Mesa 22.3.6") != std::string::npos && name.find("llvmpipe") != std::string::npos) CHECK_FALSE(works);
+
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}};
+  const Stage stage(testDevice(), makeScene(options));
+  RenderSettings settings = withTiers();
+  settings.lowestTier = kTierFilled;
+  settings.blend = BlendMode::mixed;
+  settings.colourMapping = ColourMapping::ours;
+  const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), settings});
+  const auto rendered = [&](bool multiview) {
+    const VkExtent2D extent{320, 240};
+    const Renderer renderer(testDevice(), stage.gpuScene(),
+                            {.largest = extent, .views = 2, .depth = true, .multiview = multiview});
+    const auto counters = renderer.count(plan);
+    Offscreen left(testDevice(), extent), right(testDevice(), extent);
+    const Target targets[]{left.target(), right.target()};
+    std::vector<Image8> pictures{
+        left.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, targets); })};
+    pictures.push_back(right.render([](VkCommandBuffer) {}));
+    return std::pair(pictures, counters);
+  };
+  const auto [twice, twiceCounters] = rendered(false);
+  const auto [once, onceCounters] = rendered(true);
+  CHECK(once == twice);
+  CHECK(onceCounters.passes == twiceCounters.passes - (works ? 1 : 0));
+  CHECK((onceCounters.draws < twiceCounters.draws) == works);
+  CHECK((onceCounters.pipelines > twiceCounters.pipelines) == works);
+  CHECK((onceCounters.workingBytes > twiceCounters.workingBytes) == works);
+}
