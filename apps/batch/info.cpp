@@ -33,10 +33,11 @@ std::uint64_t sum(const Memory& memory) {
 // mips.
 Memory predictedMemory(const Scene& scene) {
   Memory memory;
-  for (const Cell& cell : scene.cells) {
-    memory.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
-    memory.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
-  }
+  for (const auto* const meshes : {&scene.cells, &scene.backdrops})
+    for (const Cell& cell : *meshes) {
+      memory.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
+      memory.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
+    }
   for (const Node& node : scene.nodes)
     for (auto w = std::uint64_t(node.camera.intrinsics.width), h = std::uint64_t(node.camera.intrinsics.height);;
          w = std::max<std::uint64_t>(1, w / 2), h = std::max<std::uint64_t>(1, h / 2)) {
@@ -67,6 +68,8 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
 struct Summary {
   std::array<std::size_t, 5> cellsByMembers{};
   std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
+  std::size_t backdropPoints = 0, backdropTriangles = 0;
+  double backdropKnown = 0;  // mean share of their depths that was matched
   std::map<std::pair<int, int>, std::size_t> sizes;
 };
 
@@ -78,6 +81,11 @@ Summary summarise(const Scene& scene) {
     summary.pointsAtInfinity += std::size_t(std::ranges::count(cell.mesh.inverseDistance, 0.0f));
     summary.triangles += cell.mesh.triangles.size();
     summary.tier0 += cell.mesh.tier0Count();
+  }
+  for (const Cell& backdrop : scene.backdrops) {
+    summary.backdropPoints += backdrop.mesh.pointCount();
+    summary.backdropTriangles += backdrop.mesh.triangles.size();
+    summary.backdropKnown += backdrop.quality.coverage / double(scene.backdrops.size());
   }
   for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
   return summary;
@@ -106,6 +114,8 @@ std::vector<Stage> stagesOf(const Summary& summary) {
                     fmt::format("{} triangles agree in all their photographs", summary.tier0)});
   stages.push_back({"tier 1, from one photograph", summary.triangles > summary.tier0,
                     fmt::format("{} triangles were rejected by a filter", summary.triangles - summary.tier0)});
+  stages.push_back({"tier 2, backdrops", summary.backdropTriangles > 0,
+                    fmt::format("{} triangles show whole photographs", summary.backdropTriangles)});
   stages.push_back({"texture pages", !summary.sizes.empty(),
                     fmt::format("{} different sizes of photographs", summary.sizes.size())});
   return stages;
@@ -152,6 +162,18 @@ ExitCode showScene(const Options& options, const Context& context) {
                 summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
   context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
   context.print("triangles    {}, {} of them tier 0\n", summary.triangles, summary.tier0);
+  const std::size_t backdropBytes =
+      4 * sizeof(float) * summary.backdropPoints + 3 * sizeof(std::uint32_t) * summary.backdropTriangles;
+  context.print("backdrops    {}", scene.backdrops.size());
+  if (!scene.backdrops.empty())
+    context.print(": {} points, {} triangles, {}; {:.0f} % of their depth was matched", summary.backdropPoints,
+                  summary.backdropTriangles, bytesText(double(backdropBytes)), 100 * summary.backdropKnown);
+  context.print("\n");
+  report["backdrops"] = {{"count", scene.backdrops.size()},
+                         {"points", summary.backdropPoints},
+                         {"triangles", summary.backdropTriangles},
+                         {"bytes", backdropBytes},
+                         {"known", summary.backdropKnown}};
 
   const auto memoryJson = [](const Memory& memory) {
     return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};

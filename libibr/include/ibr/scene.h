@@ -54,7 +54,8 @@ struct MorphMesh {
   std::size_t tier0Count() const;  // triangles of tier 0
 };
 
-/// How good a cell is, measured when it was built. NaN: not measured.
+/// How good a cell is, measured when it was built. NaN: not measured. A backdrop's coverage is the share of its
+/// photograph whose depth was matched.
 struct CellQuality {
   double coverage;    // share of the members' mean picture under tier-0 triangles
   double ecc;         // area-weighted mean of MorphMesh::ecc over tier 0
