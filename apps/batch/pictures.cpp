@@ -2,6 +2,7 @@
 #include "batch/pictures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace ibr::app {
@@ -33,6 +34,16 @@ Image8 sideBySide(const std::vector<Image8>& images) {
       for (int x = 0; x < image.width; ++x) std::ranges::copy(image.pixel(x, y), out.pixel(left++, y).begin());
   }
   return out;
+}
+
+std::array<double, 4> tierShares(const Image8& image) {
+  std::array<double, 4> shares{};
+  const double pixels = double(image.width) * image.height;
+  for (std::size_t at = 3; at < image.values.size(); at += 4)
+    if (const int alpha = image.values[at]; alpha > 0)
+      ++shares[std::size_t(std::clamp(int(std::lround((255 - alpha) / 64.0)), 0, 3))];
+  for (double& share : shares) share /= pixels;
+  return shares;
 }
 
 }  // namespace ibr::app

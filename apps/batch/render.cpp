@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/check.h"
 #include "batch/command.h"
@@ -41,7 +44,10 @@ ExitCode renderViews(const Options& options, const Context& context) {
 
   SceneRenderer renderer(scene, views, colourSupport(options.settings), context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
+  RenderSettings settings = options.settings;
+  settings.alpha = AlphaContent::tier;
   Json written = Json::array();
+  double least = 1, sum = 0;
   PlanState walk;
   {
     ProgressLine progress(context);
@@ -49,15 +55,24 @@ ExitCode renderViews(const Options& options, const Context& context) {
       check(progress.show({"rendering", i, views.size()}), ErrorCode::cancelled, "stopped");
       if (!isPath) walk = {};
       const double dtSeconds = i > 0 ? views[i].time - views[i - 1].time : 0.0;
-      const auto picture = renderer.render(views[i].camera, options.settings, walk, dtSeconds);
+      const auto picture = renderer.render(views[i].camera, settings, walk, dtSeconds);
       const fs::path file = pictureFile(options.output, views[i].name);
       fs::create_directories(file.parent_path());
       writeImage(file, rgb(picture.image));
-      written.push_back({{"name", views[i].name}, {"file", file.string()}, {"milliseconds", picture.milliseconds}});
+      const std::array<double, 4> tiers = tierShares(picture.image);
+      const double coverage = std::accumulate(tiers.begin(), tiers.end(), 0.0);
+      least = std::min(least, coverage);
+      sum += coverage;
+      written.push_back({{"name", views[i].name},
+                         {"file", file.string()},
+                         {"coverage", coverage},
+                         {"tiers", tiers},
+                         {"milliseconds", picture.milliseconds}});
     }
     progress.show({"rendering", views.size(), views.size()});
   }
-  context.print("{} pictures in {}\n", views.size(), options.output);
+  context.print("{} pictures in {}; coverage {:.4f}, at least {:.4f}\n", views.size(), options.output,
+                sum / double(views.size()), least);
   context.report(Json{{"views", written},
                       {"device", renderer.deviceName()},
                       {"settings", settingsJson(options.settings)},
