@@ -78,6 +78,16 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Op
     resumed += cell.resumed;
   }
   context.print("{}\n", cells.text());
+  std::size_t backdropPoints = 0, backdropTriangles = 0;
+  double known = 0;
+  for (const auto& backdrop : report.backdrops) {
+    backdropPoints += backdrop.points;
+    backdropTriangles += backdrop.triangles;
+    known += backdrop.known / double(report.backdrops.size());
+  }
+  if (!report.backdrops.empty())
+    context.print("{} backdrops: {} points, {} triangles; {:.0f} % of their depth was matched, the rest is completed\n",
+                  report.backdrops.size(), backdropPoints, backdropTriangles, 100 * known);
   if (report.dropped.empty()) {
     context.print("nothing was dropped\n");
   } else {
@@ -97,6 +107,7 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
             {"photographs", options.photographs},
             {"model", (options.panoramas.empty() ? options.build.model : options.build.panoramas).string()},
             {"cells", Json::array()},
+            {"backdrops", Json::array()},
             {"dropped", Json::array()},
             {"stages", Json::array()},
             {"seconds", report.seconds}};
@@ -110,6 +121,13 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
                              {"residualPx", cell.quality.residualPx},
                              {"seconds", cell.seconds},
                              {"resumed", cell.resumed}});
+  for (const auto& backdrop : report.backdrops)
+    json["backdrops"].push_back({{"photograph", backdrop.photograph},
+                                 {"points", backdrop.points},
+                                 {"triangles", backdrop.triangles},
+                                 {"known", backdrop.known},
+                                 {"seconds", backdrop.seconds},
+                                 {"resumed", backdrop.resumed}});
   for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
   for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
@@ -154,7 +172,7 @@ const Command kBuildCommand{
         "PHOTOS are undistorted photographs; their poses are a COLMAP model (text or binary). Panoramas are read and "
         "checked (a model with EQUIRECTANGULAR cameras, or --panoramas), but cells of them cannot be built yet. The "
         "same input, options and seed give the same scene. A build that was stopped goes on where it was.",
-    .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
+    .afterInterrupt = "What was finished is kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("PHOTOS", options->photographs, "Folder of the photographs")->required();
@@ -177,6 +195,12 @@ const Command kBuildCommand{
       declareTextureFormat(app, options->build.texture);
       addChoice<int>(app, "--dimension", options->build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
                      "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
+      app.add_flag_callback(
+          "--no-backdrops", [options] { options->build.backdrops = false; },
+          "Make no backdrops: where cells show nothing, holes stay");
+      addChoice<int>(app, "--backdrop-spacing", options->build.backdropSpacing,
+                     {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
+                     "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -35,7 +36,8 @@ struct Options {
 };
 
 struct Scores {
-  double psnr, ssim, flip, coverage, coverageTier0, psnrCovered, ssimCovered, milliseconds;
+  double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered,
+      milliseconds;
 };
 
 struct Figure {
@@ -49,6 +51,8 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", 2, &Scores::psnr},
                                {"flip", nullptr, 4, &Scores::flip},
                                {"coverage", "coverage", 3, &Scores::coverage},
                                {"coverageTier0", "tier 0", 3, &Scores::coverageTier0},
+                               {"coverageTier1", nullptr, 3, &Scores::coverageTier1},
+                               {"coverageTier2", nullptr, 3, &Scores::coverageTier2},
                                {"psnrCovered", "PSNR covered", 2, &Scores::psnrCovered},
                                {"ssimCovered", "SSIM covered", 4, &Scores::ssimCovered},
                                {"milliseconds", "ms", 1, &Scores::milliseconds}};
@@ -57,19 +61,21 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", 2, &Scores::psnr},
 Scores score(const SceneRenderer::Picture& prediction, const Image8& truth) {
   const Image8& image = prediction.image;
   Image8 mask(image.width, image.height, 1);
-  std::size_t covered = 0, tier0 = 0;
+  std::size_t covered = 0;
   for (std::size_t i = 0; i < mask.values.size(); ++i) {
     const std::uint8_t alpha = image.values[4 * i + 3];
     mask.values[i] = alpha > 0;
     covered += alpha > 0;
-    tier0 += alpha == 255;
   }
   const double pixels = double(mask.values.size());
+  const std::array<double, 4> tiers = tierShares(image);
   return {.psnr = psnr(image, truth),
           .ssim = ssim(image, truth),
           .flip = std::nan(""),  // not measured yet
           .coverage = double(covered) / pixels,
-          .coverageTier0 = double(tier0) / pixels,
+          .coverageTier0 = tiers[kTierAgrees],
+          .coverageTier1 = tiers[kTierRejected],
+          .coverageTier2 = tiers[kTierBackdrop],
           .psnrCovered = psnr(image, truth, mask),
           .ssimCovered = ssim(image, truth, mask),
           .milliseconds = prediction.milliseconds};

@@ -62,6 +62,8 @@ std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context)
 struct Summary {
   std::array<std::size_t, 5> cellsByMembers{};
   std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
+  std::size_t backdropPoints = 0, backdropTriangles = 0;
+  double backdropKnown = 0;  // mean share of their depths that was matched
   std::map<std::pair<int, int>, std::size_t> sizes;
 };
 
@@ -73,6 +75,11 @@ Summary summarise(const Scene& scene) {
     summary.pointsAtInfinity += std::size_t(std::ranges::count(cell.mesh.inverseDistance, 0.0f));
     summary.triangles += cell.mesh.triangles.size();
     summary.tier0 += cell.mesh.tier0Count();
+  }
+  for (const Cell& backdrop : scene.backdrops) {
+    summary.backdropPoints += backdrop.mesh.pointCount();
+    summary.backdropTriangles += backdrop.mesh.triangles.size();
+    summary.backdropKnown += backdrop.quality.coverage / double(scene.backdrops.size());
   }
   for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
   return summary;
@@ -101,6 +108,8 @@ std::vector<Stage> stagesOf(const Summary& summary) {
                     fmt::format("{} triangles agree in all their photographs", summary.tier0)});
   stages.push_back({"tier 1, from one photograph", summary.triangles > summary.tier0,
                     fmt::format("{} triangles were rejected by a filter", summary.triangles - summary.tier0)});
+  stages.push_back({"tier 2, backdrops", summary.backdropTriangles > 0,
+                    fmt::format("{} triangles show whole photographs", summary.backdropTriangles)});
   stages.push_back({"texture pages", !summary.sizes.empty(),
                     fmt::format("{} different sizes of photographs", summary.sizes.size())});
   return stages;
@@ -153,6 +162,18 @@ ExitCode showScene(const Options& options, const Context& context) {
                 summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
   context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
   context.print("triangles    {}, {} of them tier 0\n", summary.triangles, summary.tier0);
+  const std::size_t backdropBytes =
+      4 * sizeof(float) * summary.backdropPoints + 3 * sizeof(std::uint32_t) * summary.backdropTriangles;
+  context.print("backdrops    {}", scene.backdrops.size());
+  if (!scene.backdrops.empty())
+    context.print(": {} points, {} triangles, {}; {:.0f} % of their depth was matched", summary.backdropPoints,
+                  summary.backdropTriangles, bytesText(double(backdropBytes)), 100 * summary.backdropKnown);
+  context.print("\n");
+  report["backdrops"] = {{"count", scene.backdrops.size()},
+                         {"points", summary.backdropPoints},
+                         {"triangles", summary.backdropTriangles},
+                         {"bytes", backdropBytes},
+                         {"known", summary.backdropKnown}};
 
   const auto memoryJson = [](const Memory& memory) {
     return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};

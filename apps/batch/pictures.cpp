@@ -64,4 +64,14 @@ Image8 sideBySide(const std::vector<Image8>& images) {
   return out;
 }
 
+std::array<double, 4> tierShares(const Image8& image) {
+  std::array<double, 4> shares{};
+  const double pixels = double(image.width) * image.height;
+  for (std::size_t at = 3; at < image.values.size(); at += 4)
+    if (const int alpha = image.values[at]; alpha > 0)
+      ++shares[std::size_t(std::clamp(int(std::lround((255 - alpha) / 64.0)), 0, 3))];
+  for (double& share : shares) share /= pixels;
+  return shares;
+}
+
 }  // namespace ibr::app

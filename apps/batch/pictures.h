@@ -2,6 +2,7 @@
 // Small things that are done to pictures before they are written. All take and give 8-bit display-encoded values.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "ibr/image.h"
@@ -22,5 +23,8 @@ Image8 absoluteDifference(const Image8& a, const Image8& b, int gain);
 
 /// Pictures of equal height, left to right; 3 channels each.
 Image8 sideBySide(const std::vector<Image8>& images);
+
+/// Shares of the pixels that tiers 0 to 3 show, in a picture with AlphaContent::tier.
+std::array<double, 4> tierShares(const Image8& image);
 
 }  // namespace ibr::app

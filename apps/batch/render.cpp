@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/check.h"
 #include "batch/command.h"
@@ -75,7 +78,9 @@ ExitCode renderViews(const Options& options, const Context& context) {
                           .buffers = options.buffers ? &scene : nullptr},
                          context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
+  settings.alpha = AlphaContent::tier;
   Json written = Json::array();
+  double least = 1, sum = 0;
   PlanState walk;
   {
     ProgressLine progress(context);
@@ -91,7 +96,15 @@ ExitCode renderViews(const Options& options, const Context& context) {
         const fs::path file = pictureFile(options.output, name);
         fs::create_directories(file.parent_path());
         writeImage(file, rgb(pictures[eye].image));
-        Json entry{{"name", name}, {"file", file.string()}, {"milliseconds", pictures[eye].milliseconds}};
+        const std::array<double, 4> tiers = tierShares(pictures[eye].image);
+        const double coverage = std::accumulate(tiers.begin(), tiers.end(), 0.0);
+        least = std::min(least, coverage);
+        sum += coverage;
+        Json entry{{"name", name},
+                   {"file", file.string()},
+                   {"coverage", coverage},
+                   {"tiers", tiers},
+                   {"milliseconds", pictures[eye].milliseconds}};
         if (pictures[eye].buffers) {
           const fs::path known = fs::path(file).replace_extension(".exr");
           writeExr(known, exrChannels(pictures[eye].image, *pictures[eye].buffers));
@@ -102,7 +115,8 @@ ExitCode renderViews(const Options& options, const Context& context) {
     }
     progress.show({"rendering", frames.size(), frames.size()});
   }
-  context.print("{} pictures in {}\n", views.size(), options.output);
+  context.print("{} pictures in {}; coverage {:.4f}, at least {:.4f}\n", views.size(), options.output,
+                sum / double(views.size()), least);
   Json reported = settingsJson(settings, options.gpuScene);
   reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
   reported["ipd"] = options.ipd > 0 ? Json(options.ipd) : Json();

@@ -37,6 +37,13 @@ void declareSettings(CLI::App& app, RenderSettings& settings) {
          },
          fmt::format("Draw at most N cells [{}]", settings.maxCells))
       ->type_name("N");
+  app.add_option_function<std::string>(
+         "--backdrops",
+         [&settings](const std::string& text) {
+           settings.maxBackdrops = std::uint32_t(parsedInt("--backdrops", text, 0, kLargestBackdropCount));
+         },
+         fmt::format("Draw at most N backdrops [{}]", settings.maxBackdrops))
+      ->type_name("N");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
   addChoice<ColourMapping>(
@@ -96,6 +103,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
   nlohmann::ordered_json budget;  // null: no limit
   if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
   return {{"cells", settings.maxCells},
+          {"backdrops", settings.maxBackdrops},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "ibr/scene.h"
 #include "run_program.h"
 #include "support/temporary_folder.h"
 #include "tiny_scene.h"
@@ -58,6 +59,10 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK(json.at("cells").size() == report["cells"].size());
     CHECK(json.at("triangles") > 0);
     CHECK(json.at("memory").at("predicted").at("textures") > 0);
+    CHECK(json.at("backdrops").at("count") == 3);
+    CHECK(json.at("backdrops").at("triangles") > 100);
+    CHECK(json.at("backdrops").at("bytes") > 1000);
+    CHECK(json.at("backdrops").at("known") > 0.3);
     if (test::deviceIsThere()) {
       // Predicted is without alignment, so never more; and it must not miss a part.
       const auto& memory = json["memory"];
@@ -69,6 +74,23 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK(!json.at("stages").empty());
     CHECK_THAT(runProgram({"info", folder / "scene"}).out, Contains("a/0.png"));
     CHECK(runProgram({"validate", folder / "scene"}).code == 0);
+  }
+  SECTION("backdrops alone give a photograph back, whole") {
+    Scene scene = loadScene(folder / "scene");
+    REQUIRE(scene.backdrops.size() == 3);
+    CHECK(report.at("backdrops").size() == 3);
+    scene.cells.clear();
+    saveScene(scene, folder / "scene");
+    if (!test::deviceIsThere()) return;
+    const auto eval = runProgram({"eval", folder / "scene", "--truth", set.photographs.string(), "--json", "-"});
+    INFO(eval.err);
+    REQUIRE(eval.code == 0);
+    const auto viewsReport = nlohmann::json::parse(eval.out);
+    for (const auto& view : viewsReport.at("views")) {
+      CHECK(view.at("coverage") == 1.0);
+      CHECK(view.at("coverageTier2") == 1.0);
+      CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));  // null: equal
+    }
   }
   SECTION("validate names every fault") {
     fs::remove_all(folder / "scene/textures");
@@ -110,6 +132,25 @@ TEST_CASE("textures in blocks take less of the disk and of the device") {
   CHECK(stored["bc7"] < stored["rgba8"]);
 }
 
+TEST_CASE("backdrops can be left out, or made finer") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  const auto triangles = [&](const std::string& option, const std::string& value) {
+    std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene", "--json", "-", option};
+    if (!value.empty()) line.push_back(value);
+    const auto outcome = runProgram(line);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    std::size_t sum = 0;
+    const auto backdropsReport = nlohmann::json::parse(outcome.out);
+    for (const auto& backdrop : backdropsReport.at("backdrops")) sum += backdrop.at("triangles").get<std::size_t>();
+    return sum;
+  };
+  CHECK(triangles("--no-backdrops", "") == 0);
+  CHECK(triangles("--backdrop-spacing", "4") > triangles("--backdrop-spacing", "16"));
+  CHECK(runProgram({"build", set.photographs, "-o", folder / "scene", "--backdrop-spacing", "5"}).code == 1);
+}
+
 TEST_CASE("photographs can be left out by name or by a list") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());
@@ -123,7 +164,8 @@ TEST_CASE("photographs can be left out by name or by a list") {
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(nlohmann::json::parse(outcome.out).at("cells").size() == 1);
-    for (const auto& cell : nlohmann::json::parse(outcome.out).at("cells"))
+    const auto cellsReport = nlohmann::json::parse(outcome.out);
+    for (const auto& cell : cellsReport.at("cells"))
       for (const auto& member : cell.at("members")) CHECK(member != "a/1.png");
   }
 }

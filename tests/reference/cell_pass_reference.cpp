@@ -111,7 +111,8 @@ struct Step {
   const Scene& scene;
   const Cell& cell;
   const FramePlan& plan;
-  int tier;
+  int tier;      // that it is drawn as
+  int meshTier;  // that it has in its mesh
   PlannedCell::View weights;
   double opacity;
   int rank;
@@ -129,12 +130,13 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
   };
   for (int tier = 0; tier <= std::min(plan.settings.lowestTier, 1); ++tier)
     for (const PlannedCell& c : cells)
-      steps.push_back({scene, scene.cells[c.cell], plan, tier,
+      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
                        tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
                        int(&c - cells.data()), c.extrapolationDistance});
   if (plan.settings.lowestTier >= kTierBackdrop)
-    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, alone(0), 1, int(b), 0});
+    for (int of = 0; of <= 1; ++of)
+      for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, of, alone(0), 1, int(b), 0});
   return steps;
 }
 
@@ -237,7 +239,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
   const bool ours = step.morph() == Morph::ours;
   const MorphMesh& mesh = step.cell.mesh;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
-    if (mesh.tier[f] != (step.tier == kTierRejected)) continue;
+    if (mesh.tier[f] != step.meshTier) continue;
     Triangle t;
     glm::dmat3 m;
     for (int v = 0; v < 3; ++v) {

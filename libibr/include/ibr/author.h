@@ -58,6 +58,8 @@ struct BuildOptions {
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
+  bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
+  int backdropSpacing = 8;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   int threads = 0;          // 0 = all cores
   std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };
@@ -70,18 +72,26 @@ struct BuildReport {
     double seconds = 0;
     bool resumed = false;  // taken from an interrupted build
   };
+  struct BackdropLine {
+    std::string photograph;
+    std::size_t points = 0, triangles = 0;
+    double known = 0;  // share of the photograph whose depth was matched; the rest is completed
+    double seconds = 0;
+    bool resumed = false;
+  };
   struct Dropped {
     std::string what;    // image or cell, by its members' names
     std::string reason;  // for people
   };
   std::vector<CellLine> cells;
+  std::vector<BackdropLine> backdrops;
   std::vector<Dropped> dropped;
   double seconds = 0;
 };
 
-/// Builds a scene folder. Cells are finished one by one and kept, so that an interrupted or cancelled build goes on
-/// where it stopped when it is called again with the same options. Panoramas and pinholes of one model are never in one
-/// cell. Throws Error.
+/// Builds a scene folder. Cells and backdrops are finished one by one and kept, so that an interrupted or cancelled
+/// build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of one model
+/// are never in one cell; panoramas have no backdrops, their cells go all around. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 }  // namespace ibr

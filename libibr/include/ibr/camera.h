@@ -13,8 +13,8 @@ enum class CameraModel : std::uint8_t { pinhole, equirectangular };
 
 struct Intrinsics {
   CameraModel model = CameraModel::pinhole;
-  int width = 0;   // px
-  int height = 0;  // px
+  int width = 0;                          // px
+  int height = 0;                         // px
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px; pinhole only, 0 for equirectangular
 
   bool operator==(const Intrinsics&) const = default;
@@ -22,7 +22,7 @@ struct Intrinsics {
 
 /// Maps camera axes to world: world = position + rotation · camera.
 struct Pose {
-  glm::dvec3 position{0.0};                  // the camera's centre in the world
+  glm::dvec3 position{0.0};                 // the camera's centre in the world
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
 };
 
@@ -35,8 +35,8 @@ struct Camera {
 /// 0 < fovYRadians < π.
 Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
 
-/// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture. Throws
-/// Error{invalidInput} where pixel or intrinsics are not finite.
+/// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture.
+/// Throws Error{invalidInput} where pixel or intrinsics are not finite.
 glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);
 
 /// Pixel at which a direction of any length (camera axes) is seen, also outside the picture; nullopt where there is

@@ -10,7 +10,8 @@ namespace ibr {
 
 enum class LogLevel { debug, info, warning, error };
 
-/// May be called from any thread that works for the call it was given to, one call at a time. Empty: messages are dropped.
+/// May be called from any thread that works for the call it was given to, one call at a time. Empty: messages are
+/// dropped.
 using LogCallback = std::function<void(LogLevel, std::string_view message)>;
 
 struct Progress {

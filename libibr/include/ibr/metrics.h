@@ -14,16 +14,17 @@ namespace ibr {
 double psnr(const Image8& a, const Image8& b);
 double psnr(const Image8& a, const Image8& b, const Image8& mask);
 
-/// Structural similarity (Wang et al. 2004): luma (Rec. 601), Gaussian window 11×11 with σ 1.5, K1 .01, K2 .03, mean over
-/// all windows that lie inside the picture. With a mask: over the windows that lie wholly inside it; NaN where none does.
+/// Structural similarity (Wang et al. 2004): luma (Rec. 601), Gaussian window 11×11 with σ 1.5, K1 .01, K2 .03, mean
+/// over all windows that lie inside the picture. With a mask: over the windows that lie wholly inside it; NaN where
+/// none does.
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
 /// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
 struct Difference {
-  int largest = 0;           // levels
-  double meanAbsolute = 0;   // levels, over pixels and channels
-  double shareAbove = 0;     // of pixels whose largest channel difference exceeds `threshold`
+  int largest = 0;          // levels
+  double meanAbsolute = 0;  // levels, over pixels and channels
+  double shareAbove = 0;    // of pixels whose largest channel difference exceeds `threshold`
 };
 Difference difference(const Image8& a, const Image8& b, int threshold);
 

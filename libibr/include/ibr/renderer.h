@@ -134,6 +134,8 @@ struct CellBounds {
   };
   std::vector<Member> members;       // as Cell::members
   float largestInverseDistance = 0;  // of all vertices, ρ
+  float farInverseDistance = 0;      // a tenth of the vertices lies farther away …
+  float nearInverseDistance = 0;     // … and a tenth nearer than this
   double size = 0;                   // longest edge of the simplex, world units
 };
 struct SceneBounds {

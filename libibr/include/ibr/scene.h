@@ -47,14 +47,15 @@ struct MorphMesh {
   std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0
   std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
   std::vector<std::uint8_t> tier;             // m, a Tier each
-  std::vector<float> ecc;                     // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]
+  std::vector<float> ecc;  // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]
 
   std::size_t memberCount() const { return match.size(); }
   std::size_t pointCount() const { return inverseDistance.size(); }
   std::size_t tier0Count() const;  // triangles of tier 0
 };
 
-/// How good a cell is, measured when it was built. NaN: not measured.
+/// How good a cell is, measured when it was built. NaN: not measured. A backdrop's coverage is the share of its
+/// photograph whose depth was matched.
 struct CellQuality {
   double coverage;    // share of the members' mean picture under tier-0 triangles
   double ecc;         // area-weighted mean of MorphMesh::ecc over tier 0
@@ -93,7 +94,8 @@ struct Fault {
 /// Files are not looked at.
 std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
 
-/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0 or the mean is not finite.
+/// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0 or the mean is not
+/// finite.
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point);
 
 /// Reads `path`: a scene's folder, or its scene.gltf. Throws Error (io, invalidInput; file and JSON pointer named).

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -16,14 +17,17 @@
 #include <thread>
 #include <unordered_map>
 
+#include "author/backdrop.h"
 #include "author/cell_cache.h"
 #include "author/cells.h"
 #include "author/hash.h"
 #include "author/match.h"
 #include "author/mesh.h"
+#include "author/own_depth.h"
 #include "author/panorama_cell.h"
 #include "author/parallel.h"
 #include "author/photographs.h"
+#include "author/posed_model.h"
 #include "base/check.h"
 #include "ibr/author.h"
 
@@ -34,7 +38,9 @@ namespace {
 constexpr std::uint64_t kVersion = 1;   // of the cells' making: raise it when they come out differently
 constexpr double kMatchPixels = 2e6;    // photographs are matched at no more than this
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
-constexpr double kExactPx = 0.1;        // median reprojection error up to which poses count as exact
+constexpr std::uint64_t kBackdropVersion = 1;
+constexpr double kBytesOfBackdrop = 200e6;
+constexpr double kExactPx = 0.1;  // median reprojection error up to which poses count as exact
 constexpr double kLeastCoverage = 0.05;
 
 using Clock = std::chrono::steady_clock;
@@ -54,41 +60,12 @@ class SingleThreadedOpenCv {
   int before_;
 };
 
-void removeExcluded(PosedModel& model, const std::vector<std::string>& exclude) {
-  const std::set<std::string> names(exclude.begin(), exclude.end());
-  for (const std::string& name : names)
-    check(std::any_of(model.images.begin(), model.images.end(), [&](const auto& i) { return i.name == name; }),
-          ErrorCode::invalidInput, "\"{}\" is to be left out, but the model has no such image", name);
-  constexpr std::uint32_t kGone = ~0u;
-  std::vector<std::uint32_t> index;
-  std::vector<PosedImage> kept;
-  for (PosedImage& image : model.images) {
-    const bool keep = !names.contains(image.name);
-    index.push_back(keep ? std::uint32_t(kept.size()) : kGone);
-    if (keep) kept.push_back(std::move(image));
-  }
-  model.images = std::move(kept);
-  for (Track& track : model.tracks) {
-    std::erase_if(track.observations, [&](const TrackObservation& o) { return index[o.image] == kGone; });
-    for (TrackObservation& o : track.observations) o.image = index[o.image];
-  }
-  std::erase_if(model.tracks, [](const Track& track) { return track.observations.empty(); });
-}
-
-// Median distance between observations and projections of the tracks' points, px.
-double reprojectionError(const PosedModel& model) {
-  std::vector<double> errors;
-  for (const Track& track : model.tracks)
-    for (const TrackObservation& seen : track.observations) {
-      const Camera& camera = model.images[seen.image].camera;
-      const auto pixel =
-          project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (track.position - camera.pose.position));
-      if (pixel) errors.push_back(glm::distance(*pixel, seen.pixel));
-    }
-  if (errors.empty()) return 0;
-  const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+Image8 shrunk(const Image8& picture, int width, int height) {
+  Image8 small(width, height, 3);
+  const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
+  cv::Mat to(height, width, CV_8UC3, small.values.data());
+  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
+  return small;
 }
 
 MatchView viewOf(const Photograph& photo) {
@@ -98,12 +75,8 @@ MatchView viewOf(const Photograph& photo) {
   const double scale = std::sqrt(kMatchPixels / pixels);
   const int width = std::max(1, int(view.picture.width * scale)),
             height = std::max(1, int(view.picture.height * scale));
-  Image8 small(width, height, 3);
-  const cv::Mat from(view.picture.height, view.picture.width, CV_8UC3, view.picture.values.data());
-  cv::Mat to(height, width, CV_8UC3, small.values.data());
-  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
   view.camera.intrinsics = resized(photo.camera.intrinsics, width, height);
-  view.picture = std::move(small);
+  view.picture = shrunk(view.picture, width, height);
   return view;
 }
 
@@ -122,6 +95,7 @@ class Builder {
     const SingleThreadedOpenCv quiet;
     storePhotographs();
     makeCells();
+    if (options_.backdrops) makeBackdrops();
     step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
     fs::remove_all(keep());
@@ -154,6 +128,9 @@ class Builder {
   void readInput() {
     check(options_.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options_.threads);
     check(options_.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options_.maxSize);
+    const int spacing = options_.backdropSpacing;
+    check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
+          "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
     check(!options_.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     step("reading the model", 0, 1);
@@ -162,7 +139,7 @@ class Builder {
     for (const PosedImage& image : model_.images) known.insert(image.name);
     for (const std::string& name : listPictures(options_.photographs))
       if (!known.contains(name)) report_.dropped.push_back({name, "not registered: the model has no pose for it"});
-    removeExcluded(model_, options_.exclude);
+    removeImages(model_, options_.exclude);
     check(!model_.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
           (options_.panoramas.empty() ? options_.model : options_.panoramas).string());
     for (const PosedImage& image : model_.images)
@@ -182,8 +159,10 @@ class Builder {
     const bool panoramic = std::ranges::all_of(photographs_, isPanorama);
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
-        R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{}}})", options_.dimension,
-        options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed, refine_);
+        R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
+        R"("backdropSpacing":{}}})",
+        options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
+        refine_, options_.backdrops, options_.backdropSpacing);
   }
 
   // Points that all members see; if they are few, those that two see.
@@ -200,23 +179,27 @@ class Builder {
     return all.size() >= kEnough ? all : some;
   }
 
+  void addPhotograph(Hash& hash, std::uint32_t i) const {
+    hash.add(hashes_[i]);
+    const Intrinsics& k = photographs_[i].camera.intrinsics;
+    const Pose& pose = photographs_[i].camera.pose;
+    hash.add(photographs_[i].applyOrientation);
+    for (const double v : {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
+                           pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
+      hash.add(v);
+  }
+  static void addPoints(Hash& hash, const std::vector<glm::dvec3>& points) {
+    for (const glm::dvec3& p : points)
+      for (int c = 0; c < 3; ++c) hash.add(p[c]);
+  }
+
   std::uint64_t keyOf(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points) const {
     Hash hash;
     hash.add(kVersion);
     hash.add(options_.seed);
     hash.add(refine_);
-    for (const std::uint32_t i : members) {
-      hash.add(hashes_[i]);
-      const Intrinsics& k = photographs_[i].camera.intrinsics;
-      const Pose& pose = photographs_[i].camera.pose;
-      hash.add(photographs_[i].applyOrientation);
-      for (const double v :
-           {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
-            pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
-        hash.add(v);
-    }
-    for (const glm::dvec3& p : points)
-      for (int c = 0; c < 3; ++c) hash.add(p[c]);
+    for (const std::uint32_t i : members) addPhotograph(hash, i);
+    addPoints(hash, points);
     return hash.value();
   }
 
@@ -224,16 +207,25 @@ class Builder {
     CellMesh cell;
     double seconds = 0;
     bool resumed = false;
+    std::uint64_t key = 0;
   };
 
-  CellMesh pinholes(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points) const {
+  CellMesh pinholes(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points,
+                    std::uint64_t key) const {
     std::vector<MatchView> views;
     std::vector<Camera> stored;
     for (const std::uint32_t i : members) {
       views.push_back(viewOf(photographs_[i]));
       stored.push_back(photographs_[i].camera);
     }
-    return buildMesh(stored, views, matchViews(views, points, {refine_}));
+    const DenseMatch match = matchViews(views, points, {refine_});
+    if (options_.backdrops) {
+      std::vector<ImageF> depths;
+      for (std::size_t i = 0; i < views.size(); ++i)
+        depths.push_back(ownDepth(match, views[i].camera, i, backdropSize(stored[i].intrinsics)));
+      storeDepths(keep(), key, depths);
+    }
+    return buildMesh(stored, views, match);
   }
   CellMesh panoramas(const std::vector<std::uint32_t>& members, const std::vector<glm::dvec3>& points) const {
     std::vector<PanoramaView> views;
@@ -245,8 +237,11 @@ class Builder {
     const auto start = Clock::now();
     const std::vector<glm::dvec3> points = pointsOf(members);
     const std::uint64_t key = keyOf(members, points);
-    if (auto kept = fetchCell(keep(), key)) return {std::move(*kept), secondsSince(start), true};
-    Made made{isPanorama(photographs_[members[0]]) ? panoramas(members, points) : pinholes(members, points), 0, false};
+    const bool panoramic = isPanorama(photographs_[members[0]]);
+    if (auto kept = fetchCell(keep(), key);
+        kept && (panoramic || !options_.backdrops || fetchDepths(keep(), key).has_value()))
+      return {std::move(*kept), secondsSince(start), true, key};
+    Made made{panoramic ? panoramas(members, points) : pinholes(members, points, key), 0, false, key};
     storeCell(keep(), key, made.cell);
     made.seconds = secondsSince(start);
     return made;
@@ -284,6 +279,87 @@ class Builder {
       line.resumed = made[c].resumed;
       report_.cells.push_back(std::move(line));
       scene_.cells.push_back(std::move(cell));
+      keys_.push_back(made[c].key);
+    }
+  }
+
+  std::vector<std::size_t> cellsWith(std::uint32_t photograph) const {
+    std::vector<std::size_t> cells;
+    for (std::size_t c = 0; c < scene_.cells.size(); ++c)
+      if (std::ranges::count(scene_.cells[c].members, photograph) > 0) cells.push_back(c);
+    return cells;
+  }
+
+  // How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
+  double stepOf(const std::vector<std::size_t>& cells) const {
+    std::vector<double> sizes;
+    for (std::size_t c = 0; c < scene_.cells.size(); ++c) {
+      if (!cells.empty() && std::ranges::count(cells, c) == 0) continue;
+      double& size = sizes.emplace_back(0.0);
+      for (const std::uint32_t i : scene_.cells[c].members)
+        for (const std::uint32_t j : scene_.cells[c].members)
+          size =
+              std::max(size, glm::distance(scene_.nodes[i].camera.pose.position, scene_.nodes[j].camera.pose.position));
+    }
+    return sizes.empty() ? 0.0 : median(sizes);
+  }
+
+  // What the cells found in a photograph; in one that is in no cell, what its tracks say.
+  ImageF knownDepth(std::uint32_t photograph, const std::vector<std::size_t>& cells, double step) const {
+    Camera camera = photographs_[photograph].camera;
+    const glm::ivec2 size = backdropSize(camera.intrinsics);
+    camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
+    if (cells.empty()) return depthOfPoints(camera, pointsSeenBy(model_, photograph));
+    std::vector<ImageF> maps;
+    for (const std::size_t c : cells) {
+      const std::vector<std::uint32_t>& members = scene_.cells[c].members;
+      auto depths = fetchDepths(keep(), keys_[c]);
+      check(depths.has_value(), ErrorCode::io, "{}: what was kept of a cell is gone; build again", keep().string());
+      maps.push_back(std::move((*depths)[std::size_t(std::ranges::find(members, photograph) - members.begin())]));
+    }
+    ImageF depth = medianDepth(maps);
+    dropIslands(depth, step * std::max(camera.intrinsics.fx, camera.intrinsics.fy));
+    return depth;
+  }
+
+  std::uint64_t backdropKey(std::uint32_t photograph, const std::vector<std::size_t>& cells, double step) const {
+    Hash hash;
+    hash.add(kBackdropVersion);
+    hash.add(options_.backdropSpacing);
+    hash.add(step);
+    addPhotograph(hash, photograph);
+    for (const std::size_t c : cells) hash.add(keys_[c]);
+    if (cells.empty()) addPoints(hash, pointsSeenBy(model_, photograph));
+    return hash.value();
+  }
+
+  Made makeBackdrop(std::uint32_t photograph) const {
+    const auto start = Clock::now();
+    const std::vector<std::size_t> cells = cellsWith(photograph);
+    const double step = stepOf(cells);
+    const std::uint64_t key = backdropKey(photograph, cells, step);
+    if (auto kept = fetchCell(keep(), key)) return {std::move(*kept), secondsSince(start), true, key};
+    const Photograph& photo = photographs_[photograph];
+    const ImageF depth = knownDepth(photograph, cells, step);
+    const Image8 colours = shrunk(loadPhotograph(photo), depth.width, depth.height);
+    Made made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, false, key};
+    storeCell(keep(), key, made.cell);
+    made.seconds = secondsSince(start);
+    return made;
+  }
+
+  void makeBackdrops() {
+    std::vector<std::uint32_t> pinholes;
+    for (std::uint32_t i = 0; i < photographs_.size(); ++i)
+      if (!isPanorama(photographs_[i])) pinholes.push_back(i);
+    std::vector<Made> made(pinholes.size());
+    runAll("completing backdrops", made.size(), kBytesOfBackdrop,
+           [&](std::size_t b) { made[b] = makeBackdrop(pinholes[b]); });
+    for (std::size_t b = 0; b < made.size(); ++b) {
+      const MorphMesh& mesh = made[b].cell.mesh;
+      report_.backdrops.push_back({photographs_[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
+                                   made[b].cell.quality.coverage, made[b].seconds, made[b].resumed});
+      scene_.backdrops.push_back({{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality});
     }
   }
 
@@ -297,6 +373,7 @@ class Builder {
   std::vector<std::uint64_t> hashes_;    // of their files
   bool refine_ = false;
   Scene scene_;
+  std::vector<std::uint64_t> keys_;  // of scene_.cells
 };
 
 }  // namespace

@@ -15,7 +15,8 @@ constexpr float kOnPlane = 1.0f;        // … and from that fit, the second
 constexpr float kLeastOnPlane = 12.0f;  // px
 constexpr float kFarthestPull = 2.0f;   // steps; a fit that is further off speaks of another surface
 
-// Marks regions of fewer than `least` pixels.
+}  // namespace
+
 std::vector<bool> speckles(const ImageF& map, float step, int least) {
   const int width = map.width, height = map.height;
   std::vector<bool> seen(map.values.size(), false), speckle(map.values.size(), false);
@@ -41,8 +42,6 @@ std::vector<bool> speckles(const ImageF& map, float step, int least) {
   }
   return speckle;
 }
-
-}  // namespace
 
 void cleanDepth(ImageF& map, float step, int least) {
   cv::Mat view(map.height, map.width, CV_32FC1, map.values.data());

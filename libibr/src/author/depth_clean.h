@@ -2,13 +2,17 @@
 // What a matcher's depth map needs before it can be believed: outliers smoothed away, speckles replaced.
 #pragma once
 
+#include <vector>
+
 #include "ibr/image.h"
 
 namespace ibr {
 
-/// In place: median of 5×5; connected regions (neighbours differ by at most `step`) of fewer than `least` pixels are
-/// filled from the nearest remaining pixel to the left or right in their row, whichever is smaller: farther away, when
-/// the values are inverse depths. One channel.
+/// Marks the pixels of connected regions (neighbours differ by at most `step`) of fewer than `least` pixels.
+std::vector<bool> speckles(const ImageF& map, float step, int least);
+
+/// In place: median of 5×5; speckles are filled from the nearest remaining pixel to the left or right in their row,
+/// whichever is smaller: farther away, when the values are inverse depths. One channel.
 void cleanDepth(ImageF& inverseDepth, float step, int least);
 
 /// Inverse depth and its change per pixel in x and y (3 channels): around each pixel a plane is fitted to what is near

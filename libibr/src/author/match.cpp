@@ -22,6 +22,7 @@ constexpr float kHidden = 10.0f;      // levels by which something stands before
 constexpr double kResidual = 3.0;     // px
 constexpr double kCorrelation = 0.5;  // of 7×7 windows, worst pair; or …
 constexpr double kAlike = 20.0;       // … their RMS difference, grey levels
+constexpr double kTexture = 9.0;      // grey²: variance of a window that can tell one depth from another
 constexpr double kNoise = 25.0;       // grey², added to variances and covariance: flat windows correlate
 
 cv::Mat view(const Image8& image) {
@@ -35,21 +36,30 @@ Camera scaled(const Camera& camera, int width, int height) {
   return {resized(camera.intrinsics, width, height), camera.pose};
 }
 
-// Where windows of 7×7 of two grey pictures (float) look the same up to gain and offset, or nearly so as they are.
-cv::Mat agreement(const cv::Mat& a, const cv::Mat& b) {
+struct Agreement {
+  cv::Mat alike;     // windows of 7×7 look the same up to gain and offset, or nearly so as they are
+  cv::Mat textured;  // they have texture, and it is the same
+};
+
+// Of two grey pictures (float).
+Agreement agreement(const cv::Mat& a, const cv::Mat& b) {
   auto mean = [](const cv::Mat& m) {
     cv::Mat result;
     cv::blur(m, result, {7, 7}, {-1, -1}, cv::BORDER_REPLICATE);
     return result;
   };
   const cv::Mat meanA = mean(a), meanB = mean(b), offset = meanA - meanB;
-  const cv::Mat varianceA = cv::max(mean(a.mul(a)) - meanA.mul(meanA), 0) + kNoise;
-  const cv::Mat varianceB = cv::max(mean(b.mul(b)) - meanB.mul(meanB), 0) + kNoise;
-  const cv::Mat covariance = mean(a.mul(b)) - meanA.mul(meanB) + kNoise;
+  const cv::Mat ownA = cv::max(mean(a.mul(a)) - meanA.mul(meanA), 0);
+  const cv::Mat ownB = cv::max(mean(b.mul(b)) - meanB.mul(meanB), 0);
+  const cv::Mat shared = mean(a.mul(b)) - meanA.mul(meanB);
+  cv::Mat ownRoot;
+  cv::sqrt(ownA.mul(ownB), ownRoot);
+  const cv::Mat textured = (cv::min(ownA, ownB) > kTexture) & (shared > kCorrelation * ownRoot);
+  const cv::Mat varianceA = ownA + kNoise, varianceB = ownB + kNoise, covariance = shared + kNoise;
   cv::Mat root;
   cv::sqrt(varianceA.mul(varianceB), root);
   const cv::Mat square = varianceA + varianceB - 2 * covariance + offset.mul(offset);
-  return (covariance > kCorrelation * root) | (square < kAlike * kAlike);
+  return {(covariance > kCorrelation * root) | (square < kAlike * kAlike), textured};
 }
 
 bool contains(const Image8& picture, glm::dvec2 pixel) {
@@ -126,11 +136,14 @@ class Matcher {
   // Only what two members agree on can hide anything: elsewhere the sweep's depth is a guess.
   void gate() {
     cv::Mat all(height_, width_, CV_8U, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
+    match_.seen.assign(views_.size(), Image8(width_, height_, 1));
     for (std::size_t i = 0; i < views_.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
-        const cv::Mat agreed = agreement(warped_[i], warped_[j]) & (view(inside_[i]) > 0) & (view(inside_[j]) > 0);
+        const Agreement found = agreement(warped_[i], warped_[j]);
+        const cv::Mat inside = (view(inside_[i]) > 0) & (view(inside_[j]) > 0), agreed = found.alike & inside;
         all &= agreed;
         any |= agreed;
+        for (const std::size_t k : {i, j}) view(match_.seen[k]).setTo(1, found.textured & inside);
       }
     Image8 solid(width_, height_, 1);
     view(solid).setTo(1, any);
@@ -140,6 +153,7 @@ class Matcher {
       const Image8 visible = visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width,
                                          views_[i].picture.height, kHidden * match_.inverseDepthStep);
       view(match_.good).setTo(0, view(visible) == 0);
+      view(match_.seen[i]).setTo(0, view(visible) == 0);
     }
   }
 

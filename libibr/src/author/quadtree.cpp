@@ -11,17 +11,16 @@
 namespace ibr {
 namespace {
 
-constexpr int kLargest = 32, kSmallest = 8, kAtEdges = 4;  // px
-constexpr double kAffine = 0.6;                            // px
-constexpr double kLeastShare = 0.5;                        // of a smallest block that must be matched
+constexpr double kLeastShare = 0.5;  // of a smallest block that must be matched
 
 class Quadtree {
  public:
-  explicit Quadtree(const DenseMatch& match) : match_(match), width_(match.good.width), height_(match.good.height) {}
+  Quadtree(const Image8& good, std::span<const ImageF> positions, const BlockSizes& sizes)
+      : good_(good), positions_(positions), sizes_(sizes), width_(good.width), height_(good.height) {}
 
   std::vector<glm::ivec2> run() {
-    for (int y = 0; y < height_; y += kLargest)
-      for (int x = 0; x < width_; x += kLargest) visit(x, y, kLargest);
+    for (int y = 0; y < height_; y += sizes_.largest)
+      for (int x = 0; x < width_; x += sizes_.largest) visit(x, y, sizes_.largest);
     return std::move(vertices_);
   }
 
@@ -33,11 +32,11 @@ class Quadtree {
     if (x0 >= x1 || y0 >= y1) return;
     int good = 0;
     for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) good += match_.good.values[at(x, y)];
+      for (int x = x0; x < x1; ++x) good += good_.values[at(x, y)];
     if (good == 0) return;
     const int area = (x1 - x0) * (y1 - y0);
     const bool whole = good == area;
-    if (size > kSmallest ? !whole || !affine(x0, y0, x1, y1) : size > kAtEdges && !whole) {
+    if (size > sizes_.smallest ? !whole || !affine(x0, y0, x1, y1) : size > sizes_.atEdges && !whole) {
       const int half = size / 2;
       for (const glm::ivec2 part : {glm::ivec2(0, 0), {half, 0}, {0, half}, {half, half}})
         visit(x0 + part.x, y0 + part.y, half);
@@ -50,7 +49,7 @@ class Quadtree {
     int least = -1;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
-        if (!match_.good.values[at(x, y)]) continue;
+        if (!good_.values[at(x, y)]) continue;
         const glm::ivec2 off = 2 * glm::ivec2(x, y) - centre;
         const int distance = off.x * off.x + off.y * off.y;
         if (least < 0 || distance < least) least = distance, best = {x, y};
@@ -69,7 +68,7 @@ class Quadtree {
         normal += glm::outerProduct(p, p);
       }
     const glm::dmat3 inverse = glm::inverse(normal);
-    for (const ImageF& position : match_.position) {
+    for (const ImageF& position : positions_) {
       glm::dvec3 right[2]{};
       for (int y = y0; y < y1; y += kStride)
         for (int x = x0; x < x1; x += kStride)
@@ -81,21 +80,23 @@ class Quadtree {
           const glm::dvec3 p(x - centre.x, y - centre.y, 1.0);
           const double ex = glm::dot(fit[0], p) - double(position.values[2 * at(x, y)]);
           const double ey = glm::dot(fit[1], p) - double(position.values[2 * at(x, y) + 1]);
-          if (ex * ex + ey * ey > kAffine * kAffine) return false;
+          if (ex * ex + ey * ey > sizes_.affine * sizes_.affine) return false;
         }
     }
     return true;
   }
 
-  const DenseMatch& match_;
+  const Image8& good_;
+  std::span<const ImageF> positions_;
+  const BlockSizes& sizes_;
   int width_, height_;
   std::vector<glm::ivec2> vertices_;
 };
 
 }  // namespace
 
-std::vector<glm::ivec2> meshVertices(const DenseMatch& match) {
-  return Quadtree(match).run();
+std::vector<glm::ivec2> meshVertices(const Image8& good, std::span<const ImageF> positions, const BlockSizes& sizes) {
+  return Quadtree(good, positions, sizes).run();
 }
 
 }  // namespace ibr

@@ -6,13 +6,21 @@
 #pragma once
 
 #include <glm/vec2.hpp>
+#include <span>
 #include <vector>
 
-#include "author/match.h"
+#include "ibr/image.h"
 
 namespace ibr {
 
-/// Pixels of the frame, each matched in all members, in a fixed order.
-std::vector<glm::ivec2> meshVertices(const DenseMatch& match);
+struct BlockSizes {
+  int largest = 32, smallest = 8, atEdges = 4;  // px, powers of two
+  double affine = 0.6;                          // px
+};
+
+/// Pixels of the frame, each matched (`good`: 1 channel, not 0), in a fixed order. `positions`: where they are matched,
+/// 2 channels each, all of one size.
+std::vector<glm::ivec2> meshVertices(const Image8& good, std::span<const ImageF> positions,
+                                     const BlockSizes& sizes = {});
 
 }  // namespace ibr

@@ -10,7 +10,7 @@ MatchedVertices matchedVertices(std::span<const MatchView> views, const DenseMat
   MatchedVertices vertices;
   vertices.matched.resize(views.size());
   const DepthRefiner refiner(views, match);
-  for (const glm::ivec2 pixel : meshVertices(match)) {
+  for (const glm::ivec2 pixel : meshVertices(match.good, match.position)) {
     const glm::dvec2 centre = glm::dvec2(pixel) + 0.5;
     vertices.frame.emplace_back(centre);
     vertices.inverseDepth.push_back(match.refined ? double(match.inverseDepth.pixel(pixel.x, pixel.y)[0])

@@ -27,6 +27,15 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
   }
   for (float inverseDistance : cell.mesh.inverseDistance)
     bounds.largestInverseDistance = std::max(bounds.largestInverseDistance, inverseDistance);
+  if (std::vector<float> all = cell.mesh.inverseDistance; !all.empty()) {
+    const auto quantile = [&](std::size_t tenths) {
+      const auto at = all.begin() + std::ptrdiff_t((all.size() - 1) * tenths / 10);
+      std::nth_element(all.begin(), at, all.end());
+      return *at;
+    };
+    bounds.farInverseDistance = quantile(1);
+    bounds.nearInverseDistance = quantile(9);
+  }
   return bounds;
 }
 

@@ -15,6 +15,7 @@
 
 #include "base/check.h"
 #include "ibr/renderer.h"
+#include "render/backdrop_choice.h"
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
 #include "render/culling.h"
@@ -79,7 +80,7 @@ class Planner {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
     chooseCells();
     fadeChanges();
-    chooseBackdrops();
+    planBackdrops();
     mixSwitch();
     rememberSingles();
     planColours(scene_, dt_, state_, plan_);
@@ -263,13 +264,9 @@ class Planner {
   }
 
   // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
-  void chooseBackdrops() {
+  void planBackdrops() {
     if (settings_.lowestTier < kTierBackdrop) return;
-    struct Backdrop {
-      std::uint32_t backdrop;
-      double distance, angle;
-    };
-    std::vector<Backdrop> candidates;
+    std::vector<BackdropCandidate> candidates;
     for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
       const Cell& backdrop = scene_.backdrops[b];
       const Pose& pose = scene_.nodes[backdrop.members[0]].camera.pose;
@@ -280,15 +277,13 @@ class Planner {
       candidates.push_back({b, glm::distance(pose.position, middle_.position),
                             std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward))});
     }
-    const std::size_t kept = std::min<std::size_t>({candidates.size(), settings_.maxBackdrops, kLargestBackdropCount});
-    std::partial_sort(candidates.begin(), candidates.begin() + std::ptrdiff_t(kept), candidates.end(),
-                      [&](const Backdrop& a, const Backdrop& b) {
-                        if (a.distance != b.distance) return a.distance < b.distance;
-                        if (a.angle != b.angle) return a.angle < b.angle;
-                        return identity(scene_, scene_.backdrops[a.backdrop]) <
-                               identity(scene_, scene_.backdrops[b.backdrop]);
-                      });
-    for (std::size_t i = 0; i < kept; ++i) plan_.backdrops.push_back(candidates[i].backdrop);
+    std::sort(candidates.begin(), candidates.end(), [&](const BackdropCandidate& a, const BackdropCandidate& b) {
+      if (a.distance != b.distance) return a.distance < b.distance;
+      if (a.angle != b.angle) return a.angle < b.angle;
+      return identity(scene_, scene_.backdrops[a.backdrop]) < identity(scene_, scene_.backdrops[b.backdrop]);
+    });
+    plan_.backdrops = chooseBackdrops(scene_, bounds_, plan_.views, candidates,
+                                      std::min(settings_.maxBackdrops, kLargestBackdropCount));
     if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
       plan_.nearDistance = 0.05 * candidates[0].distance;
   }

@@ -28,7 +28,7 @@ struct GpuScene::State {
     std::uint32_t panoramas = 0;         // bit i: member i is one
     bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
-    Range tier[2];                       // agreeing (a backdrop's only one), rejected
+    Range tier[2];                       // agreeing, rejected (of a backdrop: stretched)
     VkDescriptorSet photographs = VK_NULL_HANDLE;
   };
 

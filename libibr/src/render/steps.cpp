@@ -26,26 +26,28 @@ void forCells(const FramePlan& plan, Order order, Visit&& visit) {
 
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept {
   Steps steps;
-  const auto add = [&](const GpuScene::State::Mesh& mesh, Tier tier, const PlannedCell::View& weights, double opacity,
-                       std::uint32_t cell, std::uint32_t table, std::uint32_t rank, double extrapolation) {
-    const GpuScene::State::Range& range = mesh.tier[tier == kTierRejected];
+  const auto add = [&](const GpuScene::State::Mesh& mesh, Tier of, Tier tier, const PlannedCell::View& weights,
+                       double opacity, std::uint32_t cell, std::uint32_t table, std::uint32_t rank,
+                       double extrapolation) {
+    const GpuScene::State::Range& range = mesh.tier[of];
     if (range.indexCount > 0)
       steps.step[steps.count++] = {
           &mesh, range, weights, tier, float(opacity), cell, table, rank, float(extrapolation)};
   };
   forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
-    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
+    add(scene.cells[cell.cell], kTierAgrees, kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
         cell.extrapolationDistance);
   });
   if (plan.settings.lowestTier >= kTierRejected)
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
-      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot, rank,
-          cell.extrapolationDistance);
+      add(scene.cells[cell.cell], kTierRejected, kTierRejected, {cell.single, cell.single}, cell.opacity, c,
+          cell.colourSlot, rank, cell.extrapolationDistance);
     });
   if (plan.settings.lowestTier >= kTierBackdrop)
-    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      add(scene.backdrops[plan.backdrops[b]], kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-          plan.colour.backdropSlots[b], std::uint32_t(b), 0.0);
+    for (const Tier of : {kTierAgrees, kTierRejected})
+      for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+        add(scene.backdrops[plan.backdrops[b]], of, kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
+            plan.colour.backdropSlots[b], std::uint32_t(b), 0.0);
   return steps;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2);
-//   cells that leave at the places that they had
+//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2),
+//   first what they have of tier 0, then what closes them across depth edges; cells that leave at the places that they
+//   had
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 namespace ibr {
 
 inline constexpr std::uint32_t kLargestStepCount =
-    2 * (kLargestCellCount + kLargestLeavingCount) + kLargestBackdropCount;
+    2 * (kLargestCellCount + kLargestLeavingCount + kLargestBackdropCount);
 
 inline constexpr std::uint32_t kNoCell = ~0u;
 

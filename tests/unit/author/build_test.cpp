@@ -163,6 +163,55 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   CHECK_FALSE(fs::exists(early.output));
 }
 
+TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out") {
+  const Set set;
+  BuildOptions whole = set.options("whole"), stopped = set.options("stopped"), none = set.options("none");
+  stopped.threads = 1;
+  none.backdrops = false;
+  const BuildReport report = build(whole);
+  const Scene scene = loadScene(whole.output);
+  REQUIRE(scene.backdrops.size() == 4);
+  REQUIRE(report.backdrops.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Cell& backdrop = scene.backdrops[i];
+    CHECK(backdrop.members == std::vector<std::uint32_t>{std::uint32_t(i)});
+    CHECK(report.backdrops[i].photograph == scene.nodes[i].name);
+    CHECK(report.backdrops[i].triangles == backdrop.mesh.triangles.size());
+    CHECK(report.backdrops[i].known > 0.4);
+    CHECK_FALSE(report.backdrops[i].resumed);
+  }
+  const auto stop = [](const Progress& p) { return !(p.stage == "completing backdrops" && p.done >= 2); };
+  CHECK(errorOf([&] { build(stopped, stop); }).code() == ErrorCode::cancelled);
+  const BuildReport resumed = build(stopped);
+  CHECK(std::ranges::count(resumed.backdrops, true, &BuildReport::BackdropLine::resumed) >= 2);
+  CHECK(filesBelow(stopped.output) == filesBelow(whole.output));
+
+  CHECK(build(none).backdrops.empty());
+  CHECK(loadScene(none.output).backdrops.empty());
+  // What was kept of a build without backdrops does not do for one with.
+  fs::remove_all(none.output);
+  const auto late = [](const Progress& p) { return p.stage != "writing the scene"; };
+  CHECK(errorOf([&] { build(none, late); }).code() == ErrorCode::cancelled);
+  none.backdrops = true;
+  build(none);
+  CHECK(filesBelow(none.output) == filesBelow(whole.output));
+}
+
+TEST_CASE("a photograph that is in no cell has a backdrop from its tracks") {
+  const Set set;
+  BuildOptions options = set.options();
+  options.exclude = {"001.png", "002.png", "sub/003.png"};
+  const BuildReport report = build(options);
+  CHECK(report.cells.empty());
+  REQUIRE(report.backdrops.size() == 1);
+  CHECK(report.backdrops[0].known > 0);
+  const MorphMesh mesh = loadScene(options.output).backdrops.at(0).mesh;
+  for (const float rho : mesh.inverseDistance) {
+    CHECK(rho > 0.1f);
+    CHECK(rho < 0.4f);
+  }
+}
+
 TEST_CASE("photographs may be held out, made smaller, or larger than the model's camera") {
   const Set set(2);  // twice the size that the model's cameras have
   BuildOptions options = set.options();
@@ -233,6 +282,13 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
     options = set.options();
     options.maxSize = -1;
     CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+    for (const int spacing : {0, 1, 3, 64, -8}) {
+      options = set.options();
+      options.backdropSpacing = spacing;
+      const Error error = errorOf([&] { build(options); });
+      CHECK(error.code() == ErrorCode::invalidInput);
+      CHECK_THAT(error.what(), Contains(std::to_string(spacing)));
+    }
   }
   CHECK_FALSE(fs::exists(set.folder / "scene/scene.gltf"));
 }

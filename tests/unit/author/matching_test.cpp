@@ -256,17 +256,17 @@ TEST_CASE("the quadtree is coarse where the match is affine, fine at its edges, 
       match.position[0].pixel(x, y)[1] = float(y) - 3.0f + 0.2f * float(x);
       match.position[1] = match.position[0];
     }
-  CHECK(meshVertices(match).size() == 12);
+  CHECK(meshVertices(match.good, match.position).size() == 12);
   for (int y = 0; y < 96; ++y) match.position[1].pixel(70, y)[0] += 9.0f;
-  const auto fine = meshVertices(match);
+  const auto fine = meshVertices(match.good, match.position);
   CHECK(fine.size() > 24);
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 128; ++x) match.good.pixel(x, y)[0] = x < 50;
-  const auto half = meshVertices(match);
+  const auto half = meshVertices(match.good, match.position);
   CHECK_FALSE(half.empty());
   for (const glm::ivec2 v : half) CHECK(v.x < 50);
   std::fill(match.good.values.begin(), match.good.values.end(), std::uint8_t(0));
-  CHECK(meshVertices(match).empty());
+  CHECK(meshVertices(match.good, match.position).empty());
 }
 
 TEST_CASE("Delaunay triangulations: duplicates, degenerate input, an order that depends on the points alone") {

@@ -334,3 +334,27 @@ TEST_CASE("backdrops: nearest first, then by direction, no more than the setting
   settings.lowestTier = kTierRejected;
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1), settings).backdrops.empty());
 }
+
+TEST_CASE("backdrops: a photograph is not left out where nothing nearer shows what it does") {
+  Scene scene;
+  const auto add = [&](glm::dvec3 position, double yaw) {
+    scene.nodes.push_back({fmt::format("{}", scene.nodes.size()), cameraAt(position, yaw), {}, {}});
+    scene.backdrops.push_back(cellOf(scene, {std::uint32_t(scene.nodes.size() - 1)}));
+  };
+  for (int i = 0; i < 20; ++i) add({0.01 * i, 0, 0}, 0.4 + 0.001 * i);
+  add({3, 0, 0}, -0.5);
+  REQUIRE(validate(scene).empty());
+  for (const std::uint32_t most : {2u, 6u, 12u}) {
+    RenderSettings settings;
+    settings.maxBackdrops = most;
+    const FramePlan plan = planOf(scene, cameraAt({0, 0, 0}), settings);
+    REQUIRE(plan.backdrops.size() == most);
+    CHECK(plan.backdrops.front() == 0);  // nearest first
+    CHECK(plan.backdrops.back() == 20);
+  }
+  RenderSettings settings;
+  settings.maxBackdrops = 0;
+  CHECK(planOf(scene, cameraAt({0, 0, 0}), settings).backdrops.empty());
+  settings.maxBackdrops = 64;
+  CHECK(planOf(scene, cameraAt({0, 0, 0}), settings).backdrops.size() == 21);
+}
