@@ -69,14 +69,16 @@ const char* wordOf(ColourMapping mapping) {
   return "";
 }
 
+const char* wordOf(BlendMode blend) {
+  return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
+}
+
 nlohmann::ordered_json settingsJson(const RenderSettings& settings) {
   return {{"cells", settings.maxCells},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
-          {"blend", settings.blend == BlendMode::blend    ? "blend"
-                    : settings.blend == BlendMode::dither ? "dither"
-                                                          : "mixed"},
+          {"blend", wordOf(settings.blend)},
           {"extrapolation", settings.extrapolationLimit},
           {"colour", wordOf(settings.colourMapping)},
           {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"

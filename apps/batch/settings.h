@@ -22,6 +22,7 @@ inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
     std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
 const char* wordOf(ColourMapping mapping);
+const char* wordOf(BlendMode blend);
 
 /// What a renderer must be prepared for.
 ColourSupport colourSupport(const RenderSettings& settings);

@@ -239,6 +239,8 @@ class GpuScene {
   std::unique_ptr<State> state_;
 };
 
+class ScopeTimer;
+
 struct RendererOptions {
   VkExtent2D largest{0, 0};  // of a picture
   std::uint32_t views = 1;   // most of a plan
@@ -263,7 +265,9 @@ class Renderer {
   /// descriptor sets, viewport and scissor are lost. Targets go from `before` to `after`. Nothing is submitted, waited
   /// for or allocated; a command buffer that is never submitted does no harm. Frames are submitted in order on the
   /// device's queue.
-  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets) const noexcept;
+  /// `timer` (gpu/scope.h) gets a scope for each pass: labels in captures, and times.
+  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
+              ScopeTimer* timer = nullptr) const noexcept;
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {
     record(commandBuffer, plan, std::span(&target, 1));
   }

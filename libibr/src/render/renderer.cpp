@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "gpu/canvas.h"
+#include "gpu/scope.h"
 #include "gpu/submit.h"
 #include "ibr/renderer.h"
 #include "render/cell_pass.h"
@@ -66,37 +67,48 @@ bool Renderer::supports(VkFormat format) noexcept {
   return CompositePass::supports(format);
 }
 
-void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
-                      std::span<const Target> targets) const noexcept {
+void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
+                      ScopeTimer* timer) const noexcept {
   const State& s = *state_;
   const ColourMapping mapping = s.colours ? plan.settings.colourMapping : ColourMapping::off;
   const bool sequence = mapping == ColourMapping::paper || mapping == ColourMapping::paperRedraw;
   assert(!sequence || s.options.colour == ColourSupport::all);
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
-  if (mapping == ColourMapping::ours) s.colours->makeTables(commandBuffer, plan, targets[0].extent);
+  if (mapping == ColourMapping::ours) {
+    const GpuScope scope(commandBuffer, timer, "colour tables");
+    s.colours->makeTables(commandBuffer, plan, targets[0].extent);
+  }
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
     assert(!target.depth || s.depth);
     assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
-    const auto drawInto = [&](const Canvas& canvas, Order order) {
+    const auto drawInto = [&](const Canvas& canvas, Order order, const char* name) {
+      const GpuScope scope(commandBuffer, timer, name);
       canvas.begin(commandBuffer, target.extent, {0, 0, 0, 0});
       s.cells->draw(commandBuffer, plan, order, view, target.extent);
       canvas.end(commandBuffer);
     };
-    if (sequence && view == 0)
+    if (sequence && view == 0) {
+      const GpuScope scope(commandBuffer, timer, "canvas");
       s.colours->drawSequence(commandBuffer, plan, target.extent);
-    else
-      drawInto(s.canvas, Order::current);
-    if (s.mixes(plan)) drawInto(*s.former, Order::former);
-    if (s.fills(plan)) s.fill->record(commandBuffer, target.extent);
+    } else {
+      drawInto(s.canvas, Order::current, "canvas");
+    }
+    if (s.mixes(plan)) drawInto(*s.former, Order::former, "former canvas");
+    if (s.fills(plan)) {
+      const GpuScope scope(commandBuffer, timer, "fill");
+      s.fill->record(commandBuffer, target.extent);
+    }
     if (target.depth) {
+      const GpuScope scope(commandBuffer, timer, "depth");
       const bool hasDepth = plan.settings.order == DrawOrder::ours;
       const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
       s.depth->record(commandBuffer, steps, plan.nearDistance, target.extent, *target.depth);
     }
+    const GpuScope scope(commandBuffer, timer, "composite");
     s.composite->record(commandBuffer, plan.settings, s.mixes(plan) ? float(plan.formerWeight) : 0.0f, s.fills(plan),
                         target);
   }
