@@ -95,28 +95,28 @@ ExitCode bench(const Options& options, const Context& context) {
     BenchSubject subject{options.scene, loadScene(options.scene), {}, {}};
     for (const View& view : frames(autoPath(subject.scene, options.views, options.size.width, options.size.height)))
       subject.views.push_back(view.camera);
-    const FrameBench bench(device, subject, options.wanted.stereo);
+    const FrameBench bench(device, subject, options.wanted);
     for (const int cells : options.cells) measure(bench, options.scene, cells);
   }
   for (const BenchShape* shape : options.generated) {
     step();
     const BenchSubject subject{shape->name, makeBenchScene(*shape, options.detail), benchPhotograph,
                                benchViews(*shape, options.views, options.size.width, options.size.height)};
-    measure(FrameBench(device, subject, options.wanted.stereo), shape->name, shape->cells);
+    measure(FrameBench(device, subject, options.wanted), shape->name, shape->cells);
   }
   progress.show({"measuring", total, total});
   context.print("{}", report.table.text());
   const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  context.report(Json{{"device", device.name()},
-                      {"size", {options.size.width, options.size.height}},
-                      {"frames", report.frames},
-                      {"passes", report.passes},
-                      {"passTimes", software ? "shares of one submission as a software device reports them: it draws "
-                                               "some passes while it prepares others, so only their sum is a time"
-                                             : "device timestamps"},
-                      {"settings", settingsJson(options.wanted.settings)},
-                      {"scene", options.scene}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  context.report(
+      Json{{"device", device.name()},
+           {"size", {options.size.width, options.size.height}},
+           {"frames", report.frames},
+           {"passes", report.passes},
+           {"passTimes", software ? "timestamps inside one submission of a software device: they add up to the frame's"
+                                  : "device timestamps"},
+           {"settings", settingsJson(options.wanted.settings)},
+           {"scene", options.scene}}
+          .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 

@@ -69,6 +69,15 @@ std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
   return count;
 }
 
+RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
+  RendererOptions options = optionsFor(wanted.settings, extent);
+  options.views = wanted.stereo ? 2 : 1;
+  options.orders = {DrawOrder::ours, DrawOrder::paper};
+  if (wanted.settings.blend == BlendMode::blend) options.blends.push_back(BlendMode::dither);
+  options.colour = ColourSupport::all;
+  return options;
+}
+
 bool unmapped(const BenchWay& way, const BenchWay& of) {
   return way.order == of.order && way.colour == ColourMapping::off && way.blend == of.blend && way.views == of.views;
 }
@@ -82,15 +91,16 @@ double quantile(std::vector<double> values, double q) {
 }
 
 struct FrameBench::State {
-  State(Device& d, const BenchSubject& s, bool stereo)
+  State(Device& d, const BenchSubject& s, const BenchCase& wanted)
       : device(d),
         subject(s),
         extent{std::uint32_t(s.views.at(0).intrinsics.width), std::uint32_t(s.views.at(0).intrinsics.height)},
         bounds(sceneBounds(s.scene)),
         gpuScene(d, s.scene, s.source),
-        renderer(d, gpuScene, {.largest = extent, .views = stereo ? 2u : 1u, .colour = ColourSupport::all}),
+        renderer(d, gpuScene, rendererOptions(wanted, extent)),
         timer(d, 16) {
-    for (int eye = 0; eye < (stereo ? 2 : 1); ++eye) targets.push_back(pictures.emplace_back(d, extent).target());
+    for (int eye = 0; eye < (wanted.stereo ? 2 : 1); ++eye)
+      targets.push_back(pictures.emplace_back(d, extent).target());
   }
 
   std::vector<ScopeTime> times(const FramePlan& plan) {
@@ -116,8 +126,8 @@ struct FrameBench::State {
   ScopeTimer timer;
 };
 
-FrameBench::FrameBench(Device& device, const BenchSubject& subject, bool stereo)
-    : state_(std::make_unique<State>(device, subject, stereo)) {}
+FrameBench::FrameBench(Device& device, const BenchSubject& subject, const BenchCase& wanted)
+    : state_(std::make_unique<State>(device, subject, wanted)) {}
 FrameBench::~FrameBench() = default;
 
 BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<void()>& step) const {

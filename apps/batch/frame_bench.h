@@ -52,9 +52,10 @@ struct BenchResult {
 /// A scene on a device, with everything that any way needs.
 class FrameBench {
  public:
-  FrameBench(Device& device, const BenchSubject& subject, bool stereo);
+  FrameBench(Device& device, const BenchSubject& subject, const BenchCase& wanted);
   ~FrameBench();
   /// `step` is called before each round and may throw. Throws Error{unsupported} where the queue has no timestamps.
+  /// `wanted` is as at first but for its number of cells.
   BenchResult measure(const BenchCase& wanted, const std::function<void()>& step) const;
 
  private:

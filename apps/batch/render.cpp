@@ -39,7 +39,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
 
-  SceneRenderer renderer(scene, views, colourSupport(options.settings), context);
+  SceneRenderer renderer(scene, views, options.settings, context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
   Json written = Json::array();
   PlanState walk;

@@ -20,13 +20,13 @@ VkExtent2D largestOf(const std::vector<View>& views) {
 
 }  // namespace
 
-SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour,
+SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views, const RenderSettings& settings,
                              const Context& context)
     : scene_(scene),
       bounds_(sceneBounds(scene)),
       device_(Device::create({.device = context.options().device, .log = context.log()})),
       gpuScene_(device_, scene),
-      renderer_(device_, gpuScene_, {.largest = largestOf(views), .colour = colour}) {}
+      renderer_(device_, gpuScene_, optionsFor(settings, largestOf(views))) {}
 
 Offscreen& SceneRenderer::offscreen(int width, int height) {
   const VkExtent2D extent{std::uint32_t(width), std::uint32_t(height)};

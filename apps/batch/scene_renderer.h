@@ -14,8 +14,10 @@ namespace ibr::app {
 
 class SceneRenderer {
  public:
-  /// `views` are those that will be asked for: the largest sets the size of the canvas. The scene must outlive it.
-  SceneRenderer(const Scene& scene, const std::vector<View>& views, ColourSupport colour, const Context& context);
+  /// `views` and `settings` are those that will be asked for: the largest view sets the size of the canvas. The scene
+  /// must outlive it.
+  SceneRenderer(const Scene& scene, const std::vector<View>& views, const RenderSettings& settings,
+                const Context& context);
 
   struct Picture {
     Image8 image;             // RGBA

@@ -24,9 +24,6 @@ inline constexpr std::array kColourMappings{
 const char* wordOf(ColourMapping mapping);
 const char* wordOf(BlendMode blend);
 
-/// What a renderer must be prepared for.
-ColourSupport colourSupport(const RenderSettings& settings);
-
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings);
 

@@ -39,6 +39,7 @@ class Canvas {
   VkImageView colourView() const noexcept { return colour_.view(); }
   VkImage depth() const noexcept { return depth_.get(); }
   VkImageView depthView() const noexcept { return depth_.view(); }
+  VkDeviceSize bytes() const noexcept { return VkDeviceSize(8) * largest().width * largest().height; }  // of texels
   VkDeviceSize allocatedBytes() const noexcept { return colour_.allocatedBytes() + depth_.allocatedBytes(); }
 
  private:

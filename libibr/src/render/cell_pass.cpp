@@ -27,16 +27,22 @@ bool isPainters(const RenderSettings& settings) {
 
 }  // namespace
 
-CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-                   VkBuffer colourTables)
-    : scene_(&scene.state()), views_(views), mayMap_(colourTables != VK_NULL_HANDLE) {
-  const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
-  const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
+CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
+                   const Requirements& requirements, VkBuffer colourTables)
+    : scene_(&scene.state()),
+      views_(options.views),
+      steps_(requirements.steps),
+      mayMap_(colourTables != VK_NULL_HANDLE) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  parameters_ = Buffer(device, firstParameter(Order::former, views) * sizeof(shader::CellParameters), kUsage,
-                       MemoryKind::device, "cell parameters");
-  noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
-  uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  const std::uint32_t parameters = firstParameter(requirements.switchMixing ? Order::former : Order::current, views_);
+  parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
+                       "cell parameters");
+  if (requirements.noise) {
+    const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
+    const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
+    noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
+    uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  }
 
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   const std::array<VkDescriptorSetLayoutBinding, 3> bindings{{
@@ -49,29 +55,29 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   pool_ = makeDescriptorPool(device, 1, {&size, 1});
   frameSet_ = allocateSet(device, pool_.get(), frameLayout_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingParameters, parameters_.get());
-  writeStorageBuffer(device, frameSet_, shader::kBindingNoise, noise_.get());
   // A set is complete or not usable; what no pipeline reads may be anything.
-  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : noise_.get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingNoise, (requirements.noise ? noise_ : parameters_).get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : parameters_.get());
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->photographLayout.get()};
   layout_ = makePipelineLayout(device, layouts, {});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const bool dissolve : {false, true})
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
       for (const bool depth : {false, true})
         for (const bool mapped : {false, true}) {
-          if ((dissolve && !mayDissolve) || (mapped && !mayMap_)) continue;
-          const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, mapped};
+          const Key key{variant, depth, mapped};
+          if ((mapped && !mayMap_) || !(depth ? requirements.depthOrder : requirements.painters)) continue;
           if (pipelines_.contains(key)) continue;
           const CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
           pipelines_.emplace(key, makeCellPipeline(device, key.variant, info));
         }
   };
-  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, true);
+  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, options.dissolve);
   for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
 }
 
 std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
-  return kLargestStepCount * (views_ * std::uint32_t(order) + std::uint32_t(view));
+  return steps_ * (views_ * std::uint32_t(order) + std::uint32_t(view));
 }
 
 VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noexcept {
@@ -80,7 +86,7 @@ VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noe
   const bool isIdentity = step.table == kColourSlotCount ||
                           (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
   const bool mapped = mayMap_ && settings.colourMapping != ColourMapping::off && !isIdentity;
-  return pipelines_.at({variantOf(step), !isPainters(settings), mapped}).get();
+  return pipelines_.at({variantOf(step, settings.blend), !isPainters(settings), mapped}).get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
@@ -114,6 +120,7 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order 
   for (std::uint32_t k = 0; k < steps.count; ++k) {
     const std::uint32_t s = paper ? steps.count - 1 - k : k;
     const Step& step = steps.step[s];
+    if (step.hidden && !paper) continue;
     const VkViewport viewport{
         0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);

@@ -12,6 +12,7 @@
 #include "gpu/buffer.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 #include "render/cell_pipeline.h"
 #include "render/steps.h"
 
@@ -21,10 +22,10 @@ inline constexpr float kStepDepth = 1.0f - 1.0f / 1024.0f;
 
 class CellPass {
  public:
-  /// `renderPass`: of the canvas, colour and depth. `views`: the most a plan will have.
+  /// `renderPass`: of the canvas, colour and depth. `requirements`: of the scene and `options`.
   /// `colourTables`: packed entries by slot (render/colour_tables.h); null: colours are never mapped.
-  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-           VkBuffer colourTables = VK_NULL_HANDLE);
+  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
+           const Requirements& requirements, VkBuffer colourTables = VK_NULL_HANDLE);
 
   /// Writes all parameters of the frame. Outside a render pass; waits for earlier frames' reads, makes its writes
   /// visible to `draw`.
@@ -47,6 +48,8 @@ class CellPass {
   VkPipelineLayout layout() const noexcept { return layout_.get(); }
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
+  VkDeviceSize parameterBytes() const noexcept { return parameters_.size(); }
+  VkDeviceSize noiseBytes() const noexcept { return noise_.size(); }
 
  private:
   struct Key {
@@ -57,7 +60,7 @@ class CellPass {
   };
 
   const GpuScene::State* scene_;
-  std::uint32_t views_;
+  std::uint32_t views_, steps_;  // the most of a plan, and of a picture
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;

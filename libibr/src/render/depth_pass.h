@@ -17,7 +17,8 @@ class DepthPass {
   DepthPass(const Device& device, const Canvas& canvas);
 
   /// Outside a render pass; the canvas has been ended. `steps`: how many were drawn into it with our order.
-  void record(VkCommandBuffer commands, std::uint32_t steps, double nearDistance, VkExtent2D extent,
+  /// `drawn`: extent of the canvas's picture; `extent`: of the target, which takes the nearest.
+  void record(VkCommandBuffer commands, std::uint32_t steps, double nearDistance, VkExtent2D drawn, VkExtent2D extent,
               const DepthTarget& target) const noexcept;
 
   static bool supports(VkFormat format) noexcept;

@@ -84,19 +84,6 @@ void uploadPhotographs(const Scene& scene, const TextureSource& source, const st
   }
 }
 
-// T10: where the rays of a point's members part by more than 120°, their sum loses its direction; such a triangle is
-// left out.
-bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
-  std::array<glm::dvec3, 4> rays;
-  for (std::size_t i = 0; i < cell.members.size(); ++i) {
-    const Camera& camera = scene.nodes[cell.members[i]].camera;
-    rays[i] = camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][point]);
-    for (std::size_t j = 0; j < i; ++j)
-      if (glm::dot(rays[i], rays[j]) < -0.5) return false;
-  }
-  return true;
-}
-
 struct Geometry {
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
@@ -164,6 +151,7 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 GpuScene::GpuScene(Device& device, const Scene& scene, const TextureSource& source)
     : state_(std::make_unique<State>()) {
   State& state = *state_;
+  state.requirements = requirementsOf(scene, {});
   std::array<VkDescriptorSetLayoutBinding, shader::kMaxMembers> bindings{};
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
     bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};

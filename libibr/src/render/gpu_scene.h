@@ -11,6 +11,7 @@
 #include "gpu/gpu_image.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 
 namespace ibr {
 
@@ -35,6 +36,7 @@ struct GpuScene::State {
   DescriptorSetLayoutHandle photographLayout;  // kSetCell of shared/cell.h
   DescriptorPoolHandle pool;
   std::vector<Mesh> cells, backdrops;  // as those of the scene
+  Requirements requirements;           // the scene's own part
 };
 
 /// Bytes of a vertex with d members.

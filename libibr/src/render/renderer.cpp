@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <optional>
 
 #include "gpu/canvas.h"
@@ -9,6 +10,7 @@
 #include "ibr/renderer.h"
 #include "render/cell_pass.h"
 #include "render/colour_map_pass.h"
+#include "render/colour_plan.h"
 #include "render/colour_tables.h"
 #include "render/composite_pass.h"
 #include "render/depth_pass.h"
@@ -20,33 +22,47 @@ namespace ibr {
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
-      : scene(&gpuScene.state()), options(o), canvas(device, o.largest, ColourMapPass::canvasUse(o.colour)) {
-    if (o.switchMixing) former.emplace(device, o.largest);
-    if (o.fill) fill.emplace(device, canvas);
-    if (o.colour != ColourSupport::off && scene->cells.size() > 1)  // one cell has nothing to adapt to
-      tables.emplace(device, std::min(std::uint32_t(scene->cells.size()), kLargestCellCount));
-    cells.emplace(device, gpuScene, canvas.renderPass(), o.views, tables ? tables->tables() : VK_NULL_HANDLE);
-    if (tables) colours.emplace(device, *tables, *cells, canvas, o.colour);
-    composite.emplace(device, canvas, former ? &*former : nullptr, fill ? &*fill : nullptr);
-    if (o.depth) depth.emplace(device, canvas);
+      : scene(&gpuScene.state()),
+        options(o),
+        requirements(withOptions(scene->requirements, o)),
+        canvas(device, scaled(o.largest, o.largestScale),
+               ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
+    const Requirements& needed = requirements;
+    if (needed.switchMixing) former.emplace(device, canvas.largest());
+    if (needed.fill) fill.emplace(device, canvas);
+    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kLargestCellCount));
+    cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE);
+    if (tables) colours.emplace(device, *tables, *cells, canvas, o);
+    composite.emplace(device, canvas, former ? &*former : nullptr, fill ? &*fill : nullptr, o);
+    if (needed.depth) depth.emplace(device, canvas);
     // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
     // are bound with from here on.
     submitAndWait(device, [&](VkCommandBuffer commands) {
       for (const Canvas* image : {&canvas, former ? &*former : nullptr}) {
         if (!image) continue;
-        image->begin(commands, o.largest, {0, 0, 0, 0});
+        image->begin(commands, image->largest(), {0, 0, 0, 0});
         image->end(commands);
       }
-      if (fill) fill->record(commands, o.largest);
+      if (fill) fill->record(commands, canvas.largest());
     });
   }
 
   // What of a plan this renderer can show.
   bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
   bool fills(const FramePlan& plan) const { return fill && plan.settings.lowestTier >= kTierFilled; }
+  // Of the picture in the canvas.
+  VkExtent2D drawn(const FramePlan& plan, VkExtent2D target) const {
+    return scaled(target, options.largestScale > 0 ? std::min(plan.settings.renderScale, options.largestScale) : 0);
+  }
+  static VkExtent2D scaled(VkExtent2D extent, double scale) {  // 0: as it is
+    if (scale == 0) return extent;
+    const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
+    return {side(extent.width), side(extent.height)};
+  }
 
   const GpuScene::State* scene;
   RendererOptions options;
+  Requirements requirements;
   Canvas canvas;
   std::optional<Canvas> former;
   std::optional<FillPass> fill;
@@ -75,42 +91,43 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
   assert(!sequence || s.options.colour == ColourSupport::all);
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
-  if (mapping == ColourMapping::ours) {
-    const GpuScope scope(commandBuffer, timer, "colour tables");
-    s.colours->makeTables(commandBuffer, plan, targets[0].extent);
-  }
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
+    const VkExtent2D extent = s.drawn(plan, target.extent);
     assert(!target.depth || s.depth);
     assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
+    if (mapping == ColourMapping::ours && (view == 0 || !eyesShare(plan))) {
+      const GpuScope scope(commandBuffer, timer, "colour tables");
+      s.colours->makeTables(commandBuffer, plan, view, extent);
+    }
     const auto drawInto = [&](const Canvas& canvas, Order order, const char* name) {
       const GpuScope scope(commandBuffer, timer, name);
-      canvas.begin(commandBuffer, target.extent, {0, 0, 0, 0});
-      s.cells->draw(commandBuffer, plan, order, view, target.extent);
+      canvas.begin(commandBuffer, extent, {0, 0, 0, 0});
+      s.cells->draw(commandBuffer, plan, order, view, extent);
       canvas.end(commandBuffer);
     };
     if (sequence && view == 0) {
       const GpuScope scope(commandBuffer, timer, "canvas");
-      s.colours->drawSequence(commandBuffer, plan, target.extent);
+      s.colours->drawSequence(commandBuffer, plan, extent);
     } else {
       drawInto(s.canvas, Order::current, "canvas");
     }
     if (s.mixes(plan)) drawInto(*s.former, Order::former, "former canvas");
     if (s.fills(plan)) {
       const GpuScope scope(commandBuffer, timer, "fill");
-      s.fill->record(commandBuffer, target.extent);
+      s.fill->record(commandBuffer, extent);
     }
     if (target.depth) {
       const GpuScope scope(commandBuffer, timer, "depth");
       const bool hasDepth = plan.settings.order == DrawOrder::ours;
       const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
-      s.depth->record(commandBuffer, steps, plan.nearDistance, target.extent, *target.depth);
+      s.depth->record(commandBuffer, steps, plan.nearDistance, extent, target.extent, *target.depth);
     }
     const GpuScope scope(commandBuffer, timer, "composite");
-    s.composite->record(commandBuffer, plan.settings, s.mixes(plan) ? float(plan.formerWeight) : 0.0f, s.fills(plan),
-                        target);
+    s.composite->record(commandBuffer, plan.settings, extent, s.mixes(plan) ? float(plan.formerWeight) : 0.0f,
+                        s.fills(plan), target);
   }
 }
 
@@ -119,6 +136,15 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   Counters counters;
   counters.pipelines = s.cells->pipelineCount() + s.composite->pipelineCount();
   counters.workingBytes = s.canvas.allocatedBytes();
+  counters.bytes = {.canvases = s.canvas.bytes() * (s.former ? 2 : 1),
+                    .fill = s.fill ? s.fill->bytes() : 0,
+                    .colours = s.colours ? s.colours->bytes() : 0,
+                    .parameters = s.cells->parameterBytes(),
+                    .noise = s.cells->noiseBytes()};
+  const auto drawn = [&](std::size_t view) {
+    const Intrinsics& k = plan.views[view].intrinsics;
+    return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
+  };
   if (s.former) counters.workingBytes += s.former->allocatedBytes();
   if (s.depth) counters.pipelines += s.depth->pipelineCount();
   if (s.fill) {
@@ -128,12 +154,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.colours) {
     counters.pipelines += s.colours->pipelineCount();
     counters.workingBytes += s.colours->imageBytes();
-    s.colours->count(plan, counters);
+    s.colours->count(plan, drawn(0), counters);
   }
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
-    const Intrinsics& k = plan.views[view].intrinsics;
-    if (s.fills(plan))
-      counters.dispatches += FillPass::dispatchCount({std::uint32_t(k.width), std::uint32_t(k.height)});
+    if (s.fills(plan)) counters.dispatches += FillPass::dispatchCount(drawn(view));
     ++counters.passes;  // the composition, a triangle
     ++counters.draws;
     ++counters.triangles;
@@ -142,6 +166,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       ++counters.passes;
       const Steps steps = stepsOf(*s.scene, plan, order, view);
       for (const Step& step : steps.all()) {
+        if (step.hidden) continue;
         ++counters.draws;
         counters.triangles += step.range.indexCount / 3;
       }

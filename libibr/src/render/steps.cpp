@@ -27,21 +27,24 @@ void forCells(const FramePlan& plan, Order order, Visit&& visit) {
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept {
   Steps steps;
   const auto add = [&](const GpuScene::State::Mesh& mesh, Tier tier, const PlannedCell::View& weights, double opacity,
-                       std::uint32_t cell, std::uint32_t table) {
+                       std::uint32_t cell, std::uint32_t table, bool hidden) {
     const GpuScene::State::Range& range = mesh.tier[tier == kTierRejected];
-    if (range.indexCount > 0) steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table};
+    hidden = hidden && order == Order::current && plan.settings.order == DrawOrder::ours;
+    if (range.indexCount > 0)
+      steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table, hidden};
   };
   forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
-    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot);
+    add(scene.cells[cell.cell], kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, cell.hidden);
   });
   if (plan.settings.lowestTier >= kTierRejected)
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c) {
-      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot);
+      add(scene.cells[cell.cell], kTierRejected, {cell.single, cell.single}, cell.opacity, c, cell.colourSlot,
+          cell.rejectedHidden);
     });
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
       add(scene.backdrops[plan.backdrops[b]], kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-          plan.colour.backdropSlots[b]);
+          plan.colour.backdropSlots[b], b < plan.backdropsHidden.size() && plan.backdropsHidden[b] != 0);
   return steps;
 }
 

@@ -27,6 +27,7 @@ struct Step {
   float opacity;
   std::uint32_t cell;   // among the planned cells (tiers 0 and 1) or backdrops; kNoCell for one that leaves
   std::uint32_t table;  // colour slot
+  bool hidden;          // with our order, better steps cover it for certain
 };
 
 /// Best first, without allocation.

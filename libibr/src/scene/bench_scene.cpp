@@ -16,14 +16,14 @@ namespace ibr {
 namespace {
 
 // [T] table 2: farmland, drone, path; living room, bistro.
-constexpr std::array<BenchShape, 8> kShapes{{{"stitched-5", 5, 60, 47, false, false},
-                                             {"stitched-12", 12, 95, 71, false, false},
-                                             {"stitched-30", 30, 58, 45, false, false},
-                                             {"stacked-5", 5, 60, 47, true, false},
-                                             {"stacked-12", 12, 95, 71, true, false},
-                                             {"stacked-30", 30, 58, 45, true, false},
-                                             {"panorama-1", 1, 160, 82, false, true},
-                                             {"panorama-3", 3, 140, 70, false, true}}};
+constexpr std::array<BenchShape, 8> kShapes{{{"stitched-5", 5, 60, 47, false, false, 0.82},
+                                             {"stitched-12", 12, 95, 71, false, false, 0.74},
+                                             {"stitched-30", 30, 58, 45, false, false, 0.72},
+                                             {"stacked-5", 5, 60, 47, true, false, 1.12},
+                                             {"stacked-12", 12, 95, 71, true, false, 1.12},
+                                             {"stacked-30", 30, 58, 45, true, false, 1.12},
+                                             {"panorama-1", 1, 160, 82, false, true, 0},
+                                             {"panorama-3", 3, 140, 70, false, true, 0}}};
 
 constexpr double kRadius = 8;  // of the sphere, m
 constexpr std::array<glm::dvec3, 3> kSpots{{{-0.25, -0.12, 0.1}, {0.25, -0.12, 0.1}, {0, 0.3, -0.2}}};
@@ -212,8 +212,8 @@ const BenchShape* findBenchShape(std::string_view name) {
 
 Scene makeBenchScene(const BenchShape& shape, double detail) {
   const auto scaled = [&](int size) { return std::max(16, int(std::lround(size * detail))); };
-  Intrinsics intrinsics = pinholeFromFov(scaled(1280), scaled(960), shape.stacked ? 1.12 : 0.74);
-  if (shape.panoramas) intrinsics = {CameraModel::equirectangular, scaled(2048), scaled(1024)};
+  const Intrinsics intrinsics = shape.panoramas ? Intrinsics{CameraModel::equirectangular, scaled(2048), scaled(1024)}
+                                                : pinholeFromFov(scaled(1280), scaled(960), shape.fovY);
   // Widths of the view over which cells' axes spread.
   glm::dvec2 range = shape.stacked ? glm::dvec2(0.1, 0.1) : glm::dvec2(1.15, 0.62);
   if (shape.panoramas) range = {2 * std::numbers::pi, 0.3};

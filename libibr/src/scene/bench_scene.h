@@ -23,6 +23,7 @@ struct BenchShape {
   int columns, rows;  // of quads in a cell's mesh
   bool stacked;
   bool panoramas;  // of 2048×1024; else pinholes of 1280×960
+  double fovY;     // of pinholes, radians: so wide that cells overlap as much as in the paper's frames
 };
 
 /// stitched-5, stitched-12, stitched-30, stacked-5, stacked-12, stacked-30, panorama-1, panorama-3.
