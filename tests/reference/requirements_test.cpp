@@ -107,6 +107,10 @@ std::vector<Row> table() {
        counters(2 * 2 + 2 + 2 + 2, 3, 3 + 2, 2, {2 * canvas, 0, tables, 2 * (2 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"colours of one cell", pinholes({{0, 1, 2}}), mapped, 1,
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  RenderSettings sequence = mapped;
+  sequence.colourMapping = ColourMapping::paper;
+  rows.push_back({"the paper's colours of one cell", pinholes({{0, 1, 2}}), sequence, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"two views", pinholes({{0, 1, 2}}), plain, 2,
                   counters(2 + 1, 4, 4, 0, {canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back(

@@ -19,10 +19,10 @@
 namespace ibr {
 namespace {
 
-// Without depth: what is drawn last wins.
-bool isPainters(const RenderSettings& settings) {
-  return settings.order == DrawOrder::paper || settings.colourMapping == ColourMapping::paper ||
-         settings.colourMapping == ColourMapping::paperRedraw;
+// Without depth: what is drawn last wins. A scene with nothing to map has no sequence.
+bool isPainters(const RenderSettings& settings, bool mayMap) {
+  return settings.order == DrawOrder::paper || (mayMap && (settings.colourMapping == ColourMapping::paper ||
+                                                           settings.colourMapping == ColourMapping::paperRedraw));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step) const noe
   const bool isIdentity = step.table == kColourSlotCount ||
                           (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
   const bool mapped = mayMap_ && settings.colourMapping != ColourMapping::off && !isIdentity;
-  return pipelines_.at({variantOf(step, settings.blend), !isPainters(settings), mapped}).get();
+  return pipelines_.at({variantOf(step, settings.blend), !isPainters(settings, mayMap_), mapped}).get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
@@ -115,7 +115,7 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order 
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetScissor(commandBuffer, 0, 1, &scissor);
   bind(commandBuffer, layout_.get());
-  const bool paper = isPainters(plan.settings);
+  const bool paper = isPainters(plan.settings, mayMap_);
   const float slots = float(steps.count + 1);
   for (std::uint32_t k = 0; k < steps.count; ++k) {
     const std::uint32_t s = paper ? steps.count - 1 - k : k;
