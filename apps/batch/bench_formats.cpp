@@ -65,7 +65,7 @@ Json benchFormats(const PhotographBench& bench, const Context& context) {
     options.filter = way.filter;
     Measured& measured = ways.emplace_back();
     measured.gpuScene = std::make_unique<GpuScene>(device, bench.scene, options);
-    measured.renderer = std::make_unique<Renderer>(device, *measured.gpuScene, RendererOptions{.largest = extent});
+    measured.renderer = std::make_unique<Renderer>(device, *measured.gpuScene, optionsFor(bench.settings, extent));
   }
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const FramePlan plan = planFrame(bench.scene, bounds, {{bench.views[v].camera}, bench.settings});

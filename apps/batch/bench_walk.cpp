@@ -40,7 +40,7 @@ Walk walkThrough(const PhotographBench& bench, Device& device, GpuScene& gpuScen
   const Intrinsics& size = bench.views[0].camera.intrinsics;
   const VkExtent2D extent{std::uint32_t(size.width), std::uint32_t(size.height)};
   const SceneBounds bounds = sceneBounds(bench.scene);
-  const Renderer renderer(device, gpuScene, {.largest = extent});
+  const Renderer renderer(device, gpuScene, optionsFor(bench.settings, extent));
   Offscreen offscreen(device, extent);
   RenderSettings settings = bench.settings;
   settings.alpha = AlphaContent::tier;

@@ -120,7 +120,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
     checkNamesDiffer(views);
     for (const View& view : views) pictureFile(options.output, view.name);
   }
-  SceneRenderer renderer(scene, views, options.gpuScene, {.colour = colourSupport(options.settings)}, context);
+  SceneRenderer renderer(scene, views, options.gpuScene, optionsFor(options.settings, {}), context);
   RenderSettings settings = options.settings;
   settings.alpha = AlphaContent::tier;
   settings.background = glm::vec3(0.0f);

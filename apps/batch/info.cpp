@@ -12,6 +12,7 @@
 #include "batch/command.h"
 #include "batch/table.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 #include "scene/memory_demand.h"
 
 namespace ibr::app {
@@ -91,30 +92,6 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
   return names;
 }
 
-struct Stage {
-  std::string name;
-  bool runs;
-  std::string why;
-};
-
-// What the renderer does for this scene, and what it has no need for.
-std::vector<Stage> stagesOf(const Summary& summary) {
-  std::vector<Stage> stages;
-  const char* const kinds[] = {"", "", "lines", "triangles", "tetrahedra"};
-  for (std::size_t d = 2; d <= 4; ++d)
-    stages.push_back({fmt::format("cells of {} photographs", d), summary.cellsByMembers[d] > 0,
-                      fmt::format("{} cells are {}", summary.cellsByMembers[d], kinds[d])});
-  stages.push_back({"tier 0, blended", summary.tier0 > 0,
-                    fmt::format("{} triangles agree in all their photographs", summary.tier0)});
-  stages.push_back({"tier 1, from one photograph", summary.triangles > summary.tier0,
-                    fmt::format("{} triangles were rejected by a filter", summary.triangles - summary.tier0)});
-  stages.push_back({"tier 2, backdrops", summary.backdropTriangles > 0,
-                    fmt::format("{} triangles show whole photographs", summary.backdropTriangles)});
-  stages.push_back({"texture pages", !summary.sizes.empty(),
-                    fmt::format("{} different sizes of photographs", summary.sizes.size())});
-  return stages;
-}
-
 ExitCode showScene(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
@@ -191,7 +168,10 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (options.explain) {
     report["stages"] = Json::array();
     context.print("\nstages that this scene needs\n");
-    for (const Stage& stage : stagesOf(summary)) {
+    RenderSettings settings = preset(Preset::balanced);
+    settings.lowestTier = kTierFilled;
+    const RendererOptions renderer = optionsFor(settings, {1, 1});
+    for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
       context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
     }

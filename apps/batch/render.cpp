@@ -71,12 +71,10 @@ ExitCode renderViews(const Options& options, const Context& context) {
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
 
-  SceneRenderer renderer(scene, views, options.gpuScene,
-                         {.views = options.stereo ? 2u : 1u,
-                          .colour = colourSupport(options.settings),
-                          .wireframe = options.settings.wireframe,
-                          .buffers = options.buffers ? &scene : nullptr},
-                         context);
+  RendererOptions wanted = optionsFor(settings, {});
+  wanted.views = options.stereo ? 2 : 1;
+  if (options.buffers) wanted.buffers = &scene;
+  SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
   context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
   settings.alpha = AlphaContent::tier;
   Json written = Json::array();
@@ -196,7 +194,7 @@ const Command kRenderCommand{
       declareGpuScene(app, options->gpuScene);
       app.callback([options] {
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
-        if (options->settings.wireframe && colourSupport(options->settings) == ColourSupport::all)
+        if (options->settings.wireframe && optionsFor(options->settings, {}).colour == ColourSupport::all)
           throw CLI::ValidationError("--wireframe", "does not go with the paper's ways of --colour");
       });
       return [options](const Context& context) { return renderViews(*options, context); };

@@ -7,7 +7,38 @@
 
 namespace ibr::app {
 
+namespace {
+
+constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
+                              std::pair{"accurate", Preset::accurate}, std::pair{"reference", Preset::reference}};
+
+void addCount(CLI::App& app, const std::string& name, std::uint32_t& value, std::uint32_t low, std::uint32_t high,
+              const std::string& description) {
+  app.add_option_function<std::string>(
+         name,
+         [name, &value, low, high](const std::string& text) {
+           value = std::uint32_t(parsedInt(name, text, low, high));
+         },
+         fmt::format("{} [{}]", description, value))
+      ->type_name("N");
+}
+
+}  // namespace
+
 void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
+  // Declared first, so that what is given explicitly comes later and wins.
+  app.add_option_function<std::string>(
+         "--preset",
+         [&settings](const std::string& text) {
+           for (const auto& [word, meaning] : kPresets)
+             if (word == text) {
+               settings = preset(meaning);
+               return;
+             }
+           throw CLI::ValidationError("--preset", "'" + text + "' is none of fast|balanced|accurate|reference");
+         },
+         "All settings at once, from the fastest to the most accurate; those given beside it win")
+      ->type_name("fast|balanced|accurate|reference");
   addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
          "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
          "fills what is still empty from around");
@@ -18,6 +49,13 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
                        "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
   addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
             "Draw no cell that is further away than X times its size");
+  addDouble(app, "--texture-scale", settings.textureScale, 0.01, 100,
+            "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
+  addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
+            "Draw cells in a picture whose sides are X of the result's, and scale it");
+  addCount(app, "--backdrops", settings.maxBackdrops, 0, kLargestBackdropCount, "Draw at most N backdrops");
+  addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
+                  "Two views: one colour table for both, or each its own [shared]");
   addChoice<ColourTable>(
       app, "--colour-table", settings.colourTable,
       {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
@@ -30,20 +68,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
 
 void declareSettings(CLI::App& app, RenderSettings& settings) {
   declarePictureSettings(app, settings);
-  app.add_option_function<std::string>(
-         "--cells",
-         [&settings](const std::string& text) {
-           settings.maxCells = std::uint32_t(parsedInt("--cells", text, 1, kLargestCellCount));
-         },
-         fmt::format("Draw at most N cells [{}]", settings.maxCells))
-      ->type_name("N");
-  app.add_option_function<std::string>(
-         "--backdrops",
-         [&settings](const std::string& text) {
-           settings.maxBackdrops = std::uint32_t(parsedInt("--backdrops", text, 0, kLargestBackdropCount));
-         },
-         fmt::format("Draw at most N backdrops [{}]", settings.maxBackdrops))
-      ->type_name("N");
+  addCount(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
   addChoice<ColourMapping>(
@@ -57,23 +82,14 @@ void declareSettings(CLI::App& app, RenderSettings& settings) {
       "applied to all pixels or by drawing again [off]");
 }
 
-ColourSupport colourSupport(const RenderSettings& settings) {
-  switch (settings.colourMapping) {
-    case ColourMapping::off:
-      return ColourSupport::off;
-    case ColourMapping::ours:
-      return ColourSupport::ours;
-    case ColourMapping::paper:
-    case ColourMapping::paperRedraw:
-      break;
-  }
-  return ColourSupport::all;
-}
-
 const char* wordOf(ColourMapping mapping) {
   for (const auto& [word, meaning] : kColourMappings)
     if (meaning == mapping) return word;
   return "";
+}
+
+const char* wordOf(BlendMode blend) {
+  return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
 }
 
 void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
@@ -107,10 +123,11 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
-          {"blend", settings.blend == BlendMode::blend    ? "blend"
-                    : settings.blend == BlendMode::dither ? "dither"
-                                                          : "mixed"},
+          {"blend", wordOf(settings.blend)},
           {"extrapolation", settings.extrapolationLimit},
+          {"textureScale", settings.textureScale},
+          {"renderScale", settings.renderScale},
+          {"eyeColours", settings.shareEyeColours ? "shared" : "own"},
           {"colour", wordOf(settings.colourMapping)},
           {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"
                           : settings.colourTable == ColourTable::strict ? "strict"

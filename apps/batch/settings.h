@@ -28,9 +28,7 @@ inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
     std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
 const char* wordOf(ColourMapping mapping);
-
-/// What a renderer must be prepared for.
-ColourSupport colourSupport(const RenderSettings& settings);
+const char* wordOf(BlendMode blend);
 
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);

@@ -112,7 +112,7 @@ ExitCode walk(const Options& options, const Context& context) {
       options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                             : readViews(options.poses, options.size, context.log());
   const UnionOfViews photographs(scene);
-  SceneRenderer renderer(scene, views, options.gpuScene, {.colour = colourSupport(options.settings)}, context);
+  SceneRenderer renderer(scene, views, options.gpuScene, optionsFor(options.settings, {}), context);
   RenderSettings settings = options.settings;
   settings.alpha = AlphaContent::tier;
 

@@ -5,8 +5,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "render/cell_colour.glsl"
 
-layout(location = 5) in float inInverseDistance;  // ρ
-layout(location = 6) in float inUncertainty;
+layout(location = 6) in float inInverseDistance;  // ρ
+layout(location = 7) in float inUncertainty;
 
 layout(push_constant) uniform Constants {
   float tier;
@@ -20,7 +20,7 @@ layout(location = 2) out vec2 outConfidence;  // spread, uncertainty
 
 void main() {
   Sampling samplings[kMaxMembers];
-  for (int i = 0; i < kMembers; ++i) samplings[i] = sampling(i, 1.0);
+  for (int i = 0; i < kMembers; ++i) samplings[i] = sampling(i, inDetail);
   if (kDissolve && isDissolved(uvec2(gl_FragCoord.xy))) discard;
   vec3 colours[kMaxMembers];
   vec4 weights = vec4(0.0);

@@ -9,8 +9,8 @@ layout(location = 0) in vec3 inPoint[kMaxMembers];
 layout(location = 4) in float inInverseDistance;
 layout(location = 5) in float inUncertainty;  // of ρ
 
-layout(location = 5) out float outInverseDistance;
-layout(location = 6) out float outUncertainty;
+layout(location = 6) out float outInverseDistance;
+layout(location = 7) out float outUncertainty;
 
 void main() {
   outInverseDistance = placeVertex(inPoint, inInverseDistance, gl_InstanceIndex);

@@ -15,8 +15,12 @@ layout(constant_id = 2) const bool kDissolve = false;  // opacity below 1: pixel
 // nothing, in a mixed cell no fragment branches, and it holds in helper pixels. A scene has few such combinations.
 layout(constant_id = 3) const int kPanoramas = 0;
 
+// How colours become one: a constant, because some devices (lavapipe) run both sides of every branch.
+layout(constant_id = 4) const uint kBlending = kBlend;
+
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
+layout(location = 5) flat in float inDetail;
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
 layout(set = kSetFrame, binding = kBindingNoise, scalar) readonly buffer Noise { uint noiseRank[]; };
@@ -48,7 +52,7 @@ struct Sampling {
   float spacing, reach;  // of a panorama's taps: PanoramaFootprint
 };
 
-/// `detail`: as of cellColour.
+/// `detail`: gradients are multiplied by it.
 Sampling sampling(int member, float detail) {
   Sampling s;
   if (isPanorama(member)) {
@@ -83,9 +87,10 @@ float noise(uvec2 pixel) {
 
 bool isDissolved(uvec2 pixel) { return noise(pixel + kDissolveOffset) >= cells[inCell].opacity; }
 
-/// Discards what is dissolved. `pixel`: of the picture, for the noise; `detail`: of the texture, 1 as the picture's size
-/// asks for, less for more of it.
-vec3 cellColour(uvec2 pixel, float detail) {
+/// Discards what is dissolved. `pixel`: of the picture, for the noise; `more`: of the texture's detail, 1 as the picture's
+/// size asks for, less for more of it.
+vec3 cellColour(uvec2 pixel, float more) {
+  const float detail = more * inDetail;
   Sampling samplings[kMaxMembers];
   vec4 weights = vec4(0.0);
   float reach = 0.0;
@@ -95,17 +100,16 @@ vec3 cellColour(uvec2 pixel, float detail) {
     reach = max(reach, samplings[i].reach);
   }
   if (kDissolve && isDissolved(pixel)) discard;
-  const uint blending = cells[inCell].blending;
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
-  const int chosen = blending != kBlend ? ditherMember(weights, noise(pixel)) : 0;
+  const int chosen = kBlending != kBlend ? ditherMember(weights, noise(pixel)) : 0;
   // One loop for all members, each of which is dear; without a panorama there is none.
   const float last = ceil(reach);
   float k = -last;
   do {
-    if (blending != kDither)
+    if (kBlending != kDither)
       for (int i = 0; i < kMembers; ++i)
         if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k);
-    if (blending != kBlend) {
+    if (kBlending != kBlend) {
       if (kOnePage) {
         dithered += tap(0, chosen, samplings[chosen], k);
       } else {
@@ -114,5 +118,5 @@ vec3 cellColour(uvec2 pixel, float detail) {
       }
     }
   } while (++k <= last);
-  return blending == kBlend ? blended : (blending == kDither ? dithered : 0.5 * (blended + dithered));
+  return kBlending == kBlend ? blended : (kBlending == kDither ? dithered : 0.5 * (blended + dithered));
 }

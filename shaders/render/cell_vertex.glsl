@@ -13,6 +13,7 @@ layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Pa
 
 layout(location = 0) out vec3 outTexture[kMaxMembers];  // pinhole: homogeneous texture coordinate in member i; panorama: q_i
 layout(location = 4) flat out uint outCell;
+layout(location = 5) flat out float outDetail;
 
 /// `points`: q_i, those beyond kMembers do not matter. Returns ρ as it is drawn with.
 float placeVertex(vec3 points[kMaxMembers], float storedInverseDistance, uint cell) {
@@ -29,6 +30,7 @@ float placeVertex(vec3 points[kMaxMembers], float storedInverseDistance, uint ce
   }
   for (int i = kMembers; i < kMaxMembers; ++i) outTexture[i] = vec3(0.0);
   outCell = cell;
+  outDetail = cells[cell].detail;
   const vec4 projection = cells[cell].projection;
   gl_Position = vec4(projection.x * direction.x - projection.y * direction.z,
                      projection.z * direction.y - projection.w * direction.z,

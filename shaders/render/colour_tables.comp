@@ -99,10 +99,10 @@ void main() {
   const uint i = gl_LocalInvocationID.x;
   for (uint k = first; k < last; ++k) {
     const uint s = frame.slot[k];
-    const bool remembered = frame.fresh[k] == 0u && slots[s].owner == frame.owner[k];
+    const bool remembered = (frame.fresh[k] & kColourFresh) == 0u && slots[s].owner == frame.owner[k];
     const bool isMain = k == 0u;
     uint target = packLevels(i, i, i);
-    if (!isMain && frame.measured != 0u)
+    if (!isMain && frame.measured != 0u && (frame.fresh[k] & kColourUnseen) == 0u)
       target = targetOf(k, i);
     else if (!isMain && remembered)
       target = slots[s].target[i];

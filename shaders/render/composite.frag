@@ -1,12 +1,16 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // Canvas → target: background and guiding floor where nothing was drawn, and the transfer function that the target's
-// format undoes.
+// format undoes. Constants say what there is to be read: some devices (lavapipe) run both sides of every branch.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/floor.h"
 
 layout(constant_id = 0) const bool kEncodedByTarget = false;  // an SRGB format
+layout(constant_id = 1) const bool kFormer = false;           // a switch is being mixed
+layout(constant_id = 2) const bool kFill = false;
+layout(constant_id = 3) const bool kScaled = false;  // the canvas's picture has another size than the target
+layout(constant_id = 4) const bool kFloor = false;
 
 layout(set = 0, binding = 0) uniform sampler2D canvas;
 layout(set = 0, binding = 1) uniform sampler2D formerCanvas;  // the picture of the order before a switch
@@ -14,8 +18,10 @@ layout(set = 0, binding = 2) uniform sampler2D fill;          // half the canvas
 layout(push_constant, scalar) uniform Constants {
   vec3 background;     // display-encoded
   uint keepTier;       // 1: alpha is the canvas's tier code, 0: alpha is 1
-  vec2 fillExtent;     // texels of `fill` in use; 0: it is not read
-  float formerWeight;  // 0: the former canvas is not read
+  vec2 fillExtent;     // texels of `fill` in use
+  vec2 canvasExtent;   // texels of the canvas in use
+  vec2 targetExtent;
+  float formerWeight;
   FloorConstants plane;
 };
 
@@ -27,25 +33,44 @@ vec3 decode(vec3 encoded) {  // IEC 61966-2-1
 
 const float kFilled = 63.0 / 255.0;  // tier code of tier 3
 
-// What shows where a canvas is empty, and its tier code.
-vec4 behind() {
+// What shows where a canvas is empty, and its tier code. `at`: of the canvas.
+vec4 behind(vec2 at) {
   vec4 shown = vec4(background, 0.0);
-  if (fillExtent.x > 0.0) {
-    const vec2 at = clamp(0.5 * gl_FragCoord.xy, vec2(0.5), fillExtent - 0.5);
-    const vec4 filled = textureLod(fill, at / vec2(textureSize(fill, 0)), 0.0);
+  if (kFill) {
+    const vec2 inside = clamp(0.5 * at, vec2(0.5), fillExtent - 0.5);
+    const vec4 filled = textureLod(fill, inside / vec2(textureSize(fill, 0)), 0.0);
     if (filled.a > 0.0) shown = vec4(filled.rgb, kFilled);
   }
-  shown.rgb = mix(shown.rgb, vec3(kFloorGrey), floorShare(plane, gl_FragCoord.xy));
+  if (kFloor) shown.rgb = mix(shown.rgb, vec3(kFloorGrey), floorShare(plane, gl_FragCoord.xy));
+  return shown;
+}
+
+vec4 texel(sampler2D image, ivec2 pixel, vec4 back) {
+  const vec4 drawn = texelFetch(image, pixel, 0);
+  return drawn.a == 0.0 ? back : drawn;
+}
+
+// Colours are interpolated, what is empty between them too; a tier code is the nearest pixel's.
+vec4 picture(sampler2D image, vec2 at, vec4 back) {
+  vec4 shown = texel(image, ivec2(at), back);
+  if (kScaled) {
+    const ivec2 low = ivec2(floor(at - 0.5)), last = ivec2(canvasExtent) - 1;
+    const vec2 share = fract(at - 0.5);
+    vec3 sum = vec3(0.0);
+    for (int y = 0; y < 2; ++y)
+      for (int x = 0; x < 2; ++x) {
+        const float weight = (x == 0 ? 1.0 - share.x : share.x) * (y == 0 ? 1.0 - share.y : share.y);
+        sum += weight * texel(image, clamp(low + ivec2(x, y), ivec2(0), last), back).rgb;
+      }
+    shown.rgb = sum;
+  }
   return shown;
 }
 
 void main() {
-  const ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 shown = texelFetch(canvas, pixel, 0);
-  if (shown.a == 0.0) shown = behind();
-  if (formerWeight > 0.0) {
-    const vec4 former = texelFetch(formerCanvas, pixel, 0);
-    shown.rgb = mix(shown.rgb, former.a > 0.0 ? former.rgb : behind().rgb, formerWeight);
-  }
+  const vec2 at = kScaled ? gl_FragCoord.xy * (canvasExtent / targetExtent) : gl_FragCoord.xy;
+  const vec4 back = behind(at);
+  vec4 shown = picture(canvas, at, back);
+  if (kFormer) shown.rgb = mix(shown.rgb, picture(formerCanvas, at, back).rgb, formerWeight);
   outColour = vec4(kEncodedByTarget ? decode(shown.rgb) : shown.rgb, keepTier != 0 ? shown.a : 1.0);
 }

@@ -9,10 +9,12 @@ layout(push_constant) uniform Constants {
   float nearDistance;  // of the plan
   float offset;
   float slope;
+  float scaleX;  // canvas's pixels to one of the target
+  float scaleY;
 };
 
 void main() {
-  const float value = texelFetch(canvasDepth, ivec2(gl_FragCoord.xy), 0).r;
+  const float value = texelFetch(canvasDepth, ivec2(gl_FragCoord.xy * vec2(scaleX, scaleY)), 0).r;
   float inside = fract(value * slots);
   // In the gap between two steps: rounded down from the next one's nearest.
   if (inside > 0.5 * (1.0 + stepDepth)) inside = 0.0;

@@ -6,7 +6,7 @@
 #include "render/cell_mapped.glsl"
 #include "shared/wireframe.h"
 
-layout(location = 5) in vec3 inCorner;  // barycentric coordinates
+layout(location = 6) in vec3 inCorner;  // barycentric coordinates
 layout(push_constant, scalar) uniform Constants { WireframeConstants constants; };
 
 layout(location = 0) out vec4 outColour;

@@ -11,7 +11,7 @@ layout(set = kSetMeshes, binding = 0, scalar) readonly buffer Vertices { float v
 layout(set = kSetMeshes, binding = 1, scalar) readonly buffer Indices { uint indices[]; };
 layout(push_constant, scalar) uniform Constants { WireframeConstants constants; };
 
-layout(location = 5) out vec3 outCorner;
+layout(location = 6) out vec3 outCorner;
 
 void main() {
   uint at = constants.firstFloat + indices[constants.firstIndex + gl_VertexIndex] * uint(3 * kMembers + 1);

@@ -10,43 +10,44 @@ IBR_SHARED_BEGIN
 IBR_CONSTANT int kMaxMembers = 4;
 IBR_CONSTANT int kSetFrame = 0;  // descriptor sets
 IBR_CONSTANT int kSetCell = 1;
-IBR_CONSTANT int kBindingParameters = 0;  // of kSetFrame: CellParameters[]
-IBR_CONSTANT int kBindingNoise = 1;       // of kSetFrame: uint[kNoiseSize²], each rank once
+IBR_CONSTANT int kBindingParameters = 0;   // of kSetFrame: CellParameters[]
+IBR_CONSTANT int kBindingNoise = 1;        // of kSetFrame: uint[kNoiseSize²], each rank once
 IBR_CONSTANT int kBindingFrameTables = 2;  // of kSetFrame: colour tables, read where colours are mapped
 IBR_CONSTANT int kNoiseSize = 64;
-IBR_CONSTANT uint kBlend = 0u;  // how colours become one: [T] eq. 6
+IBR_CONSTANT uint kBlend = 0u;   // how colours become one: [T] eq. 6
 IBR_CONSTANT uint kDither = 1u;  // eq. 7
 IBR_CONSTANT uint kMixed = 2u;   // their mean
 #ifdef __cplusplus
-inline constexpr glm::uvec2 kDissolveOffset{29, 17};  // into the noise, so that dissolving and dithering do not conspire
+inline constexpr glm::uvec2 kDissolveOffset{29,
+                                            17};  // into the noise, so that dissolving and dithering do not conspire
 #else
 const uvec2 kDissolveOffset = uvec2(29, 17);
 #endif
 
 struct CellMember {
-  mat3 toView;      // member's camera axes → virtual camera axes
-  vec2 focal;       // of the photograph, in widths and heights
-  vec2 principal;   // likewise
-  float position;   // λ_i, weight of the vertex position
-  float blend;      // λ̂_i, weight of the colour
-  uint layer;       // of the member's array image
+  mat3 toView;     // member's camera axes → virtual camera axes
+  vec2 focal;      // of the photograph, in widths and heights
+  vec2 principal;  // likewise
+  float position;  // λ_i, weight of the vertex position
+  float blend;     // λ̂_i, weight of the colour
+  uint layer;      // of the member's array image
 };
 
 struct CellParameters {
   CellMember member[kMaxMembers];
-  vec3 shift;        // t = Σ λ_i c_i − p in virtual camera axes
+  vec3 shift;  // t = Σ λ_i c_i − p in virtual camera axes
   float nearDistance;
-  vec4 projection;   // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
-  uint unitRays;     // 1: the paper's morph, a_i = 1 and ρ = 0
-  uint blending;  // kBlend, kDither, kMixed
-  float alpha;    // tier code, (255 − 64·tier) / 255
-  uint table;     // colour table
-  float opacity;  // share of pixels that are drawn, chosen by blue noise
-  uvec2 noise;    // added to the pixel that noise is looked up for: less than kNoiseSize
+  vec4 projection;  // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
+  uint unitRays;    // 1: the paper's morph, a_i = 1 and ρ = 0
+  float detail;     // of the photographs: gradients are multiplied by it, 1 for theirs
+  float alpha;      // tier code, (255 − 64·tier) / 255
+  uint table;       // colour table
+  float opacity;    // share of pixels that are drawn, chosen by blue noise
+  uvec2 noise;      // added to the pixel that noise is looked up for: less than kNoiseSize
 };
 
-/// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that has
-/// any weight takes what rounding leaves over, so that every pixel gets a member that exists.
+/// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that
+/// has any weight takes what rounding leaves over, so that every pixel gets a member that exists.
 IBR_FUNCTION int ditherMember(vec4 weights, float r) {
   int chosen = 0;
   float sum = 0.0f;
@@ -60,7 +61,9 @@ IBR_FUNCTION int ditherMember(vec4 weights, float r) {
 }
 
 /// Pseudo-random number of a rank: (rank + ½) / count, never 0 or 1.
-IBR_FUNCTION float noiseFromRank(uint rank) { return (float(rank) + 0.5f) / float(kNoiseSize * kNoiseSize); }
+IBR_FUNCTION float noiseFromRank(uint rank) {
+  return (float(rank) + 0.5f) / float(kNoiseSize * kNoiseSize);
+}
 
 IBR_SHARED_END
 

@@ -13,6 +13,8 @@
 IBR_SHARED_BEGIN
 
 IBR_CONSTANT int kLevels = 256;  // d of the paper
+IBR_CONSTANT uint kColourFresh = 1u;   // nothing is remembered, the target is shown at once
+IBR_CONSTANT uint kColourUnseen = 2u;  // not measured in this frame: the remembered target stays
 IBR_CONSTANT int kCounters = 3 * kLevels;  // of one histogram: red, green, blue
 
 // How a table goes on beyond the observed range.
@@ -137,7 +139,7 @@ struct ColourFrame {
   uint tileWidth, tileHeight;
   uint slot[kLargestMapped];
   uint owner[kLargestMapped];  // cell + 1
-  uint fresh[kLargestMapped];  // 1: nothing is remembered, the target is shown at once
+  uint fresh[kLargestMapped];  // kColourFresh, kColourUnseen
 };
 
 // Descriptor bindings of the passes' own set.

@@ -70,7 +70,9 @@ TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
                                                        {"--colour", "paper", "--colour-table", "strict"},
                                                        {"--colour", "paper-redraw", "--colour-samples", "0.25"},
                                                        {"--cells", "1", "--extrapolation", "0.5"},
-                                                       {"--backdrops", "2"}};
+                                                       {"--backdrops", "2"},
+                                                       {"--render-scale", "0.7", "--texture-scale", "0.5"},
+                                                       {"--preset", "reference"}};
   for (const auto& more : settings) {
     fs::remove_all(folder / "out");
     std::vector<std::string> line{"render", test::tinyScene(), "--path", "auto:5", "-o", folder / "out"};
@@ -79,6 +81,23 @@ TEST_CASE("render --path auto:N writes N frames, and every setting is taken") {
     for (int i = 0; i < 5; ++i) CHECK(fs::exists(folder / "out" / ("frame_000" + std::to_string(i) + ".png")));
     CHECK(!fs::exists(folder / "out/frame_0005.png"));
   }
+}
+
+TEST_CASE("a preset is all settings, and what is given beside it wins, wherever it stands") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const auto settings = [&](std::vector<std::string> more) {
+    std::vector<std::string> line{"render", test::tinyScene(), "--path", "auto:1", "-o", folder / "out", "--json", "-"};
+    line.insert(line.end(), more.begin(), more.end());
+    const auto outcome = runValidated(line);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(outcome.out).at("settings");
+  };
+  const auto fast = settings({"--preset", "fast"});
+  CHECK((fast["cells"] == 4 && fast["renderScale"] == 0.7 && fast["colour"] == "off"));
+  for (const auto& mixed :
+       {settings({"--preset", "fast", "--cells", "7"}), settings({"--cells", "7", "--preset", "fast"})})
+    CHECK((mixed["cells"] == 7 && mixed["renderScale"] == 0.7));
 }
 
 TEST_CASE("render takes a camera path") {

@@ -58,6 +58,8 @@ RenderSettings mapped(ColourMapping mapping) {
   return settings;
 }
 
+const RendererOptions kOptions{.colour = ColourSupport::all, .blends = {BlendMode::blend}};
+
 // The passes by themselves, with a canvas that holds a tile a cell at full size.
 class Passes {
  public:
@@ -67,8 +69,9 @@ class Passes {
         scene_(testDevice(), place_.scene, {.source = photographsOf(place_)}),
         canvas_(testDevice(), {640, 480}, ColourMapPass::canvasUse(ColourSupport::all)),
         tables_(testDevice(), capacity ? capacity : std::uint32_t(place_.scene.cells.size())),
-        cells_(testDevice(), scene_, canvas_.renderPass(), 1, tables_.tables()),
-        pass_(testDevice(), tables_, cells_, canvas_, ColourSupport::all) {}
+        cells_(testDevice(), scene_, canvas_.renderPass(), kOptions, requirementsOf(place_.scene, kOptions),
+               tables_.tables()),
+        pass_(testDevice(), tables_, cells_, canvas_, kOptions) {}
 
   FramePlan plan(const Camera& view, const RenderSettings& settings) const {
     return planFrame(place_.scene, bounds_, {{view}, settings});
@@ -84,7 +87,7 @@ class Passes {
   void makeTables(const FramePlan& plan) {
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
       cells_.update(commands, plan);
-      pass_.makeTables(commands, plan, extentOf(plan));
+      pass_.makeTables(commands, plan, 0, extentOf(plan));
     });
   }
   // The whole frame; the canvas then holds the picture.
@@ -92,7 +95,7 @@ class Passes {
     const bool ours = plan.settings.colourMapping == ColourMapping::ours;
     submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
       cells_.update(commands, plan);
-      if (ours) pass_.makeTables(commands, plan, extentOf(plan));
+      if (ours) pass_.makeTables(commands, plan, 0, extentOf(plan));
       if (!ours) return pass_.drawSequence(commands, plan, extentOf(plan));
       canvas_.begin(commands, extentOf(plan), {0, 0, 0, 0});
       cells_.draw(commands, plan, Order::current, 0, extentOf(plan));
@@ -419,7 +422,12 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});
   const auto counters = [&](ColourSupport support, ColourMapping mapping) {
-    const Renderer renderer(testDevice(), scene, {.largest = {160, 120}, .fill = false, .colour = support});
+    const Renderer renderer(testDevice(), scene,
+                            {.largest = {160, 120},
+                             .fill = false,
+                             .colour = support,
+                             .formats = {VK_FORMAT_R8G8B8A8_UNORM},
+                             .blends = {BlendMode::blend}});
     return renderer.count(planFrame(place.scene, bounds, {{middle()}, mapped(mapping)}, {}));
   };
   const auto off = counters(ColourSupport::off, ColourMapping::off);
@@ -427,8 +435,8 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
   const auto ours = counters(ColourSupport::ours, ColourMapping::ours);
   const auto paper = counters(ColourSupport::all, ColourMapping::paper);
   const auto redraw = counters(ColourSupport::all, ColourMapping::paperRedraw);
-  CHECK(off.pipelines == 4 + 4);           // cells with and without depth and dissolving; formats of targets
-  CHECK(ours.pipelines == 8 + 4 + 2 + 2);  // cells also mapped; proxy with and without dissolving; count, tables
+  CHECK(off.pipelines == 4 + 2);           // cells with and without depth and dissolving; mixed or not
+  CHECK(ours.pipelines == 8 + 2 + 2 + 2);  // cells also mapped; proxy with and without dissolving; count, tables
   CHECK(paper.pipelines == ours.pipelines + 4 + 1);  // count and redraw, with and without dissolving; apply
   CHECK(ours.workingBytes == off.workingBytes);      // the proxy lives in the canvas
   CHECK(paper.workingBytes >= off.workingBytes + 160 * 120 * 4);
@@ -441,14 +449,19 @@ TEST_CASE("colour mapping costs what it declares, and nothing where there is not
 
   const SyntheticScene one = exposures({{1, 1}});
   GpuScene alone(testDevice(), one.scene, {.source = photographsOf(one)});
-  const Renderer renderer(testDevice(), alone, {.largest = {160, 120}, .fill = false, .colour = ColourSupport::all});
+  const Renderer renderer(testDevice(), alone,
+                          {.largest = {160, 120},
+                           .fill = false,
+                           .colour = ColourSupport::all,
+                           .formats = {VK_FORMAT_R8G8B8A8_UNORM},
+                           .blends = {BlendMode::blend}});
   Offscreen offscreen(testDevice(), {160, 120});
   Image8 unmapped;
   for (ColourMapping mapping :
        {ColourMapping::off, ColourMapping::ours, ColourMapping::paper, ColourMapping::paperRedraw}) {
     const FramePlan plan = planFrame(one.scene, sceneBounds(one.scene), {{middle()}, mapped(mapping)}, {});
     const auto counted = renderer.count(plan);
-    CHECK((counted.pipelines == 8 && counted.passes == 2 && counted.draws == 2 && counted.dispatches == 0));
+    CHECK((counted.pipelines == 4 + 1 && counted.passes == 2 && counted.draws == 2 && counted.dispatches == 0));
     const Image8 picture =
         offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
     if (mapping == ColourMapping::off) unmapped = picture;

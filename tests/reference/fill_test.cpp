@@ -115,21 +115,29 @@ TEST_CASE("a picture with nothing in it shows the background") {
 }
 
 TEST_CASE("a frame costs what it declares") {
-  const Stage stage(testDevice(), makeScene(place(3)));
+  SyntheticOptions two = place(3);
+  two.cells = {{0, 1, 2}, {2, 1, 0}};
+  const Stage stage(testDevice(), makeScene(two));
   GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source()});
-  const Renderer whole(testDevice(), gpuScene, {{320, 240}});
-  const Renderer bare(testDevice(), gpuScene, {.largest = {320, 240}, .switchMixing = false, .fill = false});
+  RendererOptions options{.largest = {320, 240}, .colour = ColourSupport::off};
+  options.formats = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB};
+  options.blends = {BlendMode::blend, BlendMode::dither};
+  const Renderer whole(testDevice(), gpuScene, options);
+  options.switchMixing = options.fill = false;
+  const Renderer bare(testDevice(), gpuScene, options);
   RenderSettings filling;
   filling.lowestTier = kTierFilled;
   const FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}), filling);
-  const std::uint64_t triangles = stage.scene().cells[0].mesh.triangles.size();
-  // Cells of three members on one or several pages: with and without depth, each with and without dissolving; four
-  // formats of targets; three of the fill pass.
+  REQUIRE(plan.cells.size() == 2);
+  const std::uint64_t triangles =
+      stage.scene().cells[0].mesh.triangles.size() + stage.scene().cells[1].mesh.triangles.size();
+  // Cells of three members: with and without depth, each with and without dissolving, blended and dithered; two formats
+  // of targets, each with and without mixing and filling; three of the fill pass.
   const Renderer::Counters w = whole.count(plan), b = bare.count(plan);
-  CHECK(b.pipelines == 4 + 4);
-  CHECK(w.pipelines == b.pipelines + 3);
+  CHECK(b.pipelines == 8 + 2);
+  CHECK(w.pipelines == 8 + 2 * 4 + 3);
   CHECK(b.passes == 2);
-  CHECK(b.draws == 2);
+  CHECK(b.draws == 3);
   CHECK(b.dispatches == 0);
   CHECK(b.triangles == triangles + 1);
   CHECK(w.dispatches == 2 * 9 - 1);  // 160×120 to 1×1 in nine levels

@@ -48,7 +48,7 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                      {"nearDistance", offsetof(CellParameters, nearDistance)},
                                                      {"projection", offsetof(CellParameters, projection)},
                                                      {"unitRays", offsetof(CellParameters, unitRays)},
-                                                     {"blending", offsetof(CellParameters, blending)},
+                                                     {"detail", offsetof(CellParameters, detail)},
                                                      {"alpha", offsetof(CellParameters, alpha)},
                                                      {"table", offsetof(CellParameters, table)},
                                                      {"opacity", offsetof(CellParameters, opacity)},

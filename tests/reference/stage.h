@@ -73,7 +73,7 @@ class Stage {
   Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
-    const Renderer renderer(*device_, gpuScene_, {extent});
+    const Renderer renderer(*device_, gpuScene_, optionsFor(plan.settings, extent, format));
     Offscreen offscreen(*device_, extent, format);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }
@@ -83,7 +83,9 @@ class Stage {
   std::vector<Image8> renderViews(const FramePlan& plan) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
-    const Renderer renderer(*device_, gpuScene_, {.largest = extent, .views = std::uint32_t(plan.views.size())});
+    RendererOptions options = optionsFor(plan.settings, extent);
+    options.views = std::uint32_t(plan.views.size());
+    const Renderer renderer(*device_, gpuScene_, options);
     std::vector<Offscreen> offscreens;
     std::vector<Target> targets;
     for (std::size_t v = 0; v < plan.views.size(); ++v)

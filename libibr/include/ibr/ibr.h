@@ -12,6 +12,7 @@
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 #include "ibr/scene.h"
 #include "ibr/target.h"
 #include "ibr/texture.h"

@@ -106,6 +106,9 @@ struct RenderSettings {
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long, and
                                     // cells that change their place behind it fade for so long; 0: cuts
+  double textureScale = 1.0;        // of the photographs' sides that are seen: 0.5 shows half their detail; > 0
+  double renderScale = 1.0;         // of the target's sides: cells are drawn that much smaller or larger; > 0, at most
+                                    // RendererOptions::largestScale
   int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
 
   ColourMapping colourMapping = ColourMapping::off;
@@ -118,6 +121,7 @@ struct RenderSettings {
   double colourFadeSeconds = 1.0;     // a new main cell's table takes so long to the identity
   double colourSmoothSeconds = 0.15;  // ours: time constant with which tables follow what is measured
   double colourLargestSpeed = 120;    // ours: levels per second that a table changes at most
+  bool shareEyeColours = true;  // ours: one table for both views; else each view's own, in every frame, unsmoothed
 
   std::optional<Floor> floor;  // a guiding floor
   bool wireframe = false;  // edges of triangles over the picture, in a heat colour of their cell's rank ([T] fig. 4);
@@ -126,13 +130,23 @@ struct RenderSettings {
   glm::vec3 background{0.0f};  // display-encoded, shown where nothing is drawn
 };
 
+/// Settings by name, from the fastest to the most accurate. `balanced` is the default with colour mapping.
+enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
+RenderSettings preset(Preset preset);
+
 /// What planning needs to know of a cell's mesh, computed once.
 struct CellBounds {
   struct Member {
     glm::vec3 low{0.0f}, high{0.0f};          // box of the vertices' a_i r_i in the member's camera axes
     glm::vec3 unitLow{0.0f}, unitHigh{0.0f};  // the same of r_i, for Morph::paper
   };
+  struct Corner {
+    std::array<glm::vec3, 4> point{};  // a_i r_i in the member's camera axes
+    float inverseDistance = 0;
+  };
   std::vector<Member> members;       // as Cell::members
+  std::vector<Corner> corners;       // of the outline
+  std::vector<glm::uvec2> outline;   // sum of tier 0's directed borders, edges between corners; empty: not to be used
   float largestInverseDistance = 0;  // of all vertices, ρ
   float farInverseDistance = 0;      // a tenth of the vertices lies farther away …
   float nearInverseDistance = 0;     // … and a tenth nearer than this
@@ -165,6 +179,8 @@ struct PlannedCell {
   std::array<View, 2> view;                     // weights by view
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
+  bool colourNeeded = true;                     // something that shows may go through its colour table
+  bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: better cells cover them for certain
 };
 
 /// A cell as a frame shows it in its order.
@@ -209,11 +225,12 @@ struct ColourPlan {
 struct FramePlan {
   std::vector<Camera> views;
   RenderSettings settings;
-  std::vector<PlannedCell> cells;        // best first; the first is the main cell
-  std::vector<LeavingCell> leaving;      // what is drawn besides, by place
-  std::vector<std::uint32_t> backdrops;  // indices into Scene::backdrops, best first
-  std::vector<PlannedCell> former;       // while a switch is mixed: what is drawn in the order before it; else empty
-  double formerWeight = 0;               // of the picture of `former` in the mixture, 0 … 1
+  std::vector<PlannedCell> cells;             // best first; the first is the main cell
+  std::vector<LeavingCell> leaving;           // what is drawn besides, by place
+  std::vector<std::uint32_t> backdrops;       // indices into Scene::backdrops, best first
+  std::vector<std::uint8_t> backdropsHidden;  // as backdrops: 1 where better ones cover it for certain; may be empty
+  std::vector<PlannedCell> former;  // while a switch is mixed: what is drawn in the order before it; else empty
+  double formerWeight = 0;          // of the picture of `former` in the mixture, 0 … 1
   ColourPlan colour;
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
@@ -223,14 +240,16 @@ struct FramePlan {
 };
 
 /// Pure. Preconditions: validate(scene) is empty; one or two views, pinholes with finite, positive focal lengths and a
-/// unit rotation, else Error{invalidInput}. The order is total, does not depend on the order of cells in the scene, and
-/// is one for all views, from the pose in their middle ([T] §2.5.4).
+/// unit rotation, scales positive, else Error{invalidInput}. The order is total, does not depend on the order of cells
+/// in the scene, and is one for all views, from the pose in their middle ([T] §2.5.4).
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
 /// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes
 /// of the order behind the main cell: what changes its place fades there.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
+
+class ScopeTimer;
 
 struct RendererOptions {
   VkExtent2D largest{0, 0};  // of a picture
@@ -243,8 +262,20 @@ struct RendererOptions {
   bool multiview = true;   // both views of a plan in one pass, where they have one size and the device is seen to do it
                            // right; the pixels are the same without
   bool wireframe = false;  // for RenderSettings::wireframe
+  bool floor = false;      // for RenderSettings::floor
   const Scene* buffers = nullptr;  // the GpuScene's scene, read while the renderer is made: for recordBuffers
+  // What plans and targets will ask for: others are a programmer's error.
+  std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
+                                VK_FORMAT_B8G8R8A8_SRGB};
+  std::vector<DrawOrder> orders{DrawOrder::ours, DrawOrder::paper};
+  std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
+  bool dissolve = true;     // cells' opacities may be below 1
+  double largestScale = 0;  // of RenderSettings::renderScale; 0: all is drawn at the target's size
 };
+
+/// What these settings need, and nothing else.
+RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D largest,
+                           VkFormat format = VK_FORMAT_R8G8B8A8_UNORM);
 
 /// Records frames. The scene must outlive it; commands recorded by it must have finished before it is destroyed.
 class Renderer {
@@ -260,7 +291,9 @@ class Renderer {
   /// descriptor sets, viewport and scissor are lost. Targets go from `before` to `after`. Nothing is submitted, waited
   /// for or allocated; a command buffer that is never submitted does no harm. Frames are submitted in order on the
   /// device's queue.
-  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets) const noexcept;
+  /// `timer` (gpu/scope.h) gets a scope for each pass: labels in captures, and times.
+  void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
+              ScopeTimer* timer = nullptr) const noexcept;
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {
     record(commandBuffer, plan, std::span(&target, 1));
   }
@@ -276,6 +309,10 @@ class Renderer {
     std::uint64_t workingBytes = 0;                       // of this renderer's images
     std::uint32_t passes = 0, draws = 0, dispatches = 0;  // of the frame
     std::uint64_t triangles = 0;                          // of its draws
+    struct Bytes {                                        // asked for, without a device's alignment
+      std::uint64_t canvases = 0, fill = 0, colours = 0, parameters = 0, noise = 0, uncertainties = 0;
+      bool operator==(const Bytes&) const = default;
+    } bytes;
   };
   Counters count(const FramePlan& plan) const noexcept;
 

@@ -41,6 +41,9 @@ class Canvas {
   VkImageView colourView(std::uint32_t layer = 0) const noexcept { return viewOf(colour_, layer, 0); }
   VkImage depth() const noexcept { return depth_.get(); }
   VkImageView depthView(std::uint32_t layer = 0) const noexcept { return viewOf(depth_, layer, 1); }
+  VkDeviceSize bytes() const noexcept {  // of texels
+    return VkDeviceSize(8) * colour_.info().layers * largest().width * largest().height;
+  }
   VkDeviceSize allocatedBytes() const noexcept { return colour_.allocatedBytes() + depth_.allocatedBytes(); }
 
  private:

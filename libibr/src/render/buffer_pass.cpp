@@ -18,6 +18,7 @@ struct Constants {
   float tier, rank, extrapolation;
 };
 
+constexpr std::array kBlends{BlendMode::blend};  // colours are told apart, not blended
 constexpr std::array kFormats{kSurfaceFormat, kWeightsFormat, kConfidenceFormat};
 
 std::array<const BufferTarget*, 3> all(const BufferTargets& targets) {
@@ -26,7 +27,8 @@ std::array<const BufferTarget*, 3> all(const BufferTargets& targets) {
 
 }  // namespace
 
-BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas)
+BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas,
+                       const Requirements& requirements)
     : cells_(&cells), canvas_(&canvas) {
   std::vector<float> uncertainties;
   const auto append = [&](const std::vector<Cell>& meshes, std::vector<VkDeviceSize>& offsets) {
@@ -43,15 +45,15 @@ BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells
              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "uncertainties");
   if (!bytes.empty()) uploadBuffer(device, uncertainties_, 0, bytes);
 
-  const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().photographLayout.get()};
+  const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().sets.layout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const bool dissolve : {false, true})
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, kBlends))
       for (const bool depth : {false, true}) {
-        const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth};
-        if ((dissolve && !mayDissolve) || pipelines_.contains(key)) continue;
-        pipelines_.emplace(key, makeCellPipeline(device, key.variant,
+        const Key key{variant, depth};
+        if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
+        pipelines_.emplace(key, makeCellPipeline(device, variant,
                                                  {.name = "buffers",
                                                   .fragment = shaders::buffers_frag,
                                                   .layout = layout_.get(),
@@ -61,7 +63,7 @@ BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells
                                                   .depthFormat = Canvas::kDepthFormat}));
       }
   };
-  for (const GpuScene::State::Mesh& cell : cells.scene().cells) require(cell, true);
+  for (const GpuScene::State::Mesh& cell : cells.scene().cells) require(cell, requirements.dissolve);
   for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(backdrop, false);
 }
 
@@ -109,7 +111,7 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
         const VkBuffer buffer = uncertainties_.get();
         vkCmdBindVertexBuffers(commands, 1, 1, &buffer, &(backdrop ? backdropOffsets_ : cellOffsets_)[mesh]);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                          pipelines_.at({variantOf(step), !CellPass::isPainters(plan.settings)}).get());
+                          pipelines_.at({variantOf(step, kBlends[0]), !cells_->isPainters(plan.settings)}).get());
         vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
         cells_->drawStep(commands, layout_.get(), step, parameter);
       });

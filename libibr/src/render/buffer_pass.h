@@ -13,13 +13,15 @@ namespace ibr {
 class BufferPass {
  public:
   /// `scene`: what the cells were made of; read here only. `canvas` lends its depth image between frames' uses.
-  BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas);
+  BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas,
+             const Requirements& requirements);
 
   /// Outside a render pass. CellPass::update has been recorded for the plan, and what reads the canvas's depth too.
   void record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,
               const BufferTargets& targets) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
+  VkDeviceSize bytes() const noexcept { return uncertainties_.size(); }
   VkDeviceSize allocatedBytes() const noexcept { return uncertainties_.allocatedBytes(); }
 
  private:

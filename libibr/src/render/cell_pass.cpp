@@ -17,16 +17,22 @@
 #include "shared/cell.h"
 
 namespace ibr {
-CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-                   VkBuffer colourTables, VkRenderPass eyesPass)
-    : scene_(&scene.state()), views_(views), mayMap_(colourTables != VK_NULL_HANDLE) {
-  const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
-  const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
+CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
+                   const Requirements& requirements, VkBuffer colourTables, VkRenderPass eyesPass)
+    : scene_(&scene.state()),
+      views_(options.views),
+      steps_(requirements.steps),
+      mayMap_(colourTables != VK_NULL_HANDLE) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  parameters_ = Buffer(device, firstParameter(Order::former, views) * sizeof(shader::CellParameters), kUsage,
-                       MemoryKind::device, "cell parameters");
-  noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
-  uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  const std::uint32_t parameters = firstParameter(requirements.switchMixing ? Order::former : Order::current, views_);
+  parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
+                       "cell parameters");
+  if (requirements.noise) {
+    const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
+    const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
+    noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
+    uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  }
 
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
   const std::array<VkDescriptorSetLayoutBinding, 3> bindings{{
@@ -39,37 +45,40 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   pool_ = makeDescriptorPool(device, 1, {&size, 1});
   frameSet_ = allocateSet(device, pool_.get(), frameLayout_.get());
   writeStorageBuffer(device, frameSet_, shader::kBindingParameters, parameters_.get());
-  writeStorageBuffer(device, frameSet_, shader::kBindingNoise, noise_.get());
   // A set is complete or not usable; what no pipeline reads may be anything.
-  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : noise_.get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingNoise, (requirements.noise ? noise_ : parameters_).get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : parameters_.get());
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->sets.layout()};
   layout_ = makePipelineLayout(device, layouts, {});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const bool dissolve : {false, true})
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
       for (const bool depth : {false, true})
         for (const bool mapped : {false, true})
           for (const bool eyes : {false, true}) {
-            if ((dissolve && !mayDissolve) || (mapped && !mayMap_) || (eyes && !eyesPass)) continue;
-            const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, mapped, eyes};
-            if (pipelines_.contains(key)) continue;
+            const Key key{variant, depth, mapped, eyes};
+            if ((mapped && !mayMap_) || (eyes && !eyesPass)) continue;
+            if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
             CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
-            if (eyes) info.renderPass = eyesPass;
-            if (eyes) info.vertices = CellVertices::forBothEyes;
-            pipelines_.emplace(key, makeCellPipeline(device, key.variant, info));
+            if (eyes) {
+              info.renderPass = eyesPass;
+              info.vertices = CellVertices::forBothEyes;
+              info.viewStride = steps_;
+            }
+            pipelines_.emplace(key, makeCellPipeline(device, variant, info));
           }
   };
-  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, true);
+  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, options.dissolve);
   for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
 }
 
 std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
-  return kLargestStepCount * (views_ * std::uint32_t(order) + std::uint32_t(view));
+  return steps_ * (views_ * std::uint32_t(order) + std::uint32_t(view));
 }
 
-bool CellPass::isPainters(const RenderSettings& settings) noexcept {
-  return settings.order == DrawOrder::paper || settings.colourMapping == ColourMapping::paper ||
-         settings.colourMapping == ColourMapping::paperRedraw;
+bool CellPass::isPainters(const RenderSettings& settings) const noexcept {
+  return settings.order == DrawOrder::paper || (mayMap_ && (settings.colourMapping == ColourMapping::paper ||
+                                                            settings.colourMapping == ColourMapping::paperRedraw));
 }
 
 bool CellPass::isMapped(const FramePlan& plan, const Step& step) const noexcept {
@@ -80,7 +89,8 @@ bool CellPass::isMapped(const FramePlan& plan, const Step& step) const noexcept 
 }
 
 VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step, bool eyes) const noexcept {
-  return pipelines_.at({variantOf(step), !isPainters(plan.settings), isMapped(plan, step), eyes}).get();
+  const Key key{variantOf(step, plan.settings.blend), !isPainters(plan.settings), isMapped(plan, step), eyes};
+  return pipelines_.at(key).get();
 }
 
 void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
@@ -113,7 +123,7 @@ void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order 
 
 void CellPass::drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept {
   bind(commandBuffer, layout_.get());
-  // The second view's parameters lie kLargestStepCount behind the first's, and the vertex stage knows.
+  // The second view's parameters lie steps_ behind the first's, and the vertex stage knows.
   eachStep(commandBuffer, plan, Order::current, 0, extent, [&](const Step& step, std::uint32_t parameter) {
     vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step, true));
     drawStep(commandBuffer, layout_.get(), step, parameter);

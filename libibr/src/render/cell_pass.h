@@ -12,6 +12,7 @@
 #include "gpu/buffer.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 #include "render/cell_pipeline.h"
 #include "render/steps.h"
 
@@ -21,11 +22,12 @@ inline constexpr float kStepDepth = 1.0f - 1.0f / 1024.0f;
 
 class CellPass {
  public:
-  /// `renderPass`: of the canvas, colour and depth. `views`: the most a plan will have.
+  /// `renderPass`: of the canvas, colour and depth. `requirements`: of the scene and `options`.
   /// `eyesPass`: of a canvas for both eyes; null: they are never drawn at once.
   /// `colourTables`: packed entries by slot (render/colour_tables.h); null: colours are never mapped.
-  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, std::uint32_t views,
-           VkBuffer colourTables = VK_NULL_HANDLE, VkRenderPass eyesPass = VK_NULL_HANDLE);
+  CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
+           const Requirements& requirements, VkBuffer colourTables = VK_NULL_HANDLE,
+           VkRenderPass eyesPass = VK_NULL_HANDLE);
 
   /// Writes all parameters of the frame. Outside a render pass; waits for earlier frames' reads, makes its writes
   /// visible to `draw`.
@@ -45,11 +47,11 @@ class CellPass {
   void bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept;
   void drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
                 std::uint32_t parameter) const noexcept;
-  /// Whether what is drawn last wins, without depth.
-  static bool isPainters(const RenderSettings& settings) noexcept;
+  /// Whether what is drawn last wins, without depth. A scene with nothing to map has no sequence.
+  bool isPainters(const RenderSettings& settings) const noexcept;
   /// Whether a step's colours go through its table.
   bool isMapped(const FramePlan& plan, const Step& step) const noexcept;
-  /// Calls draw(step, parameter) for each step in the plan's order; viewport and scissor are set.
+  /// Calls draw(step, parameter) for each step that is not hidden, in the plan's order; viewport and scissor are set.
   template <class Draw>
   void eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view, VkExtent2D extent,
                 const Draw& draw) const noexcept;
@@ -58,6 +60,8 @@ class CellPass {
   VkPipelineLayout layout() const noexcept { return layout_.get(); }
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
+  VkDeviceSize parameterBytes() const noexcept { return parameters_.size(); }
+  VkDeviceSize noiseBytes() const noexcept { return noise_.size(); }
 
  private:
   struct Key {
@@ -69,7 +73,7 @@ class CellPass {
   };
 
   const GpuScene::State* scene_;
-  std::uint32_t views_;
+  std::uint32_t views_, steps_;  // the most of a plan, and of a picture
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;
@@ -89,6 +93,7 @@ void CellPass::eachStep(VkCommandBuffer commandBuffer, const FramePlan& plan, Or
   const float slots = float(steps.count + 1);
   for (std::uint32_t k = 0; k < steps.count; ++k) {
     const std::uint32_t s = painters ? steps.count - 1 - k : k;
+    if (steps.step[s].hidden && !painters) continue;
     const VkViewport viewport{
         0, 0, float(extent.width), float(extent.height), float(s) / slots, (float(s) + kStepDepth) / slots};
     vkCmdSetViewport(commandBuffer, 0, 1, &viewport);

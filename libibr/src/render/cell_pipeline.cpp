@@ -20,11 +20,29 @@ struct Constants {  // specialisation constants of the cell shaders
   VkBool32 onePage;
   VkBool32 dissolve;
   std::uint32_t panoramas;
+  std::uint32_t blending;
   VkBool32 mapped;
   std::uint32_t viewStride;
 };
 
 }  // namespace
+
+CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
+  const std::size_t members = step.mesh->cameras.size();
+  return {members, step.mesh->panoramas, step.mesh->onePage, step.opacity < 1.0f,
+          members == 1 ? BlendMode::blend : blend};
+}
+
+std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayDissolve,
+                                    std::span<const BlendMode> blends) {
+  constexpr BlendMode kAlone[]{BlendMode::blend};
+  const std::size_t members = mesh.cameras.size();
+  std::vector<CellVariant> variants;
+  for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
+    for (const bool dissolve : {false, true})
+      if (!dissolve || mayDissolve) variants.push_back({members, mesh.panoramas, mesh.onePage, dissolve, blend});
+  return variants;
+}
 
 PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& wanted) {
   const auto members = std::uint32_t(variant.members);
@@ -35,14 +53,15 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
-  constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Constants, members), 4},
+  constexpr std::array<VkSpecializationMapEntry, 7> kEntries{{{0, offsetof(Constants, members), 4},
                                                               {1, offsetof(Constants, onePage), 4},
                                                               {2, offsetof(Constants, dissolve), 4},
                                                               {3, offsetof(Constants, panoramas), 4},
+                                                              {4, offsetof(Constants, blending), 4},
                                                               {7, offsetof(Constants, mapped), 4},
                                                               {8, offsetof(Constants, viewStride), 4}}};
-  const Constants constants{std::int32_t(members), variant.onePage, variant.dissolve,
-                            variant.panoramas,     wanted.mapped,   kLargestStepCount};
+  const Constants constants{std::int32_t(members),        variant.onePage, variant.dissolve, variant.panoramas,
+                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:

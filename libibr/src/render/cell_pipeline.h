@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "gpu/handle.h"
 #include "ibr/device.h"
@@ -19,12 +20,16 @@ struct CellVariant {
   std::uint32_t panoramas;  // bit i: member i is one
   bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
   bool dissolve;            // opacity below 1
+  BlendMode blend;
   auto operator<=>(const CellVariant&) const = default;
 };
 
-inline CellVariant variantOf(const Step& step) {
-  return {step.mesh->cameras.size(), step.mesh->panoramas, step.mesh->onePage, step.opacity < 1.0f};
-}
+CellVariant variantOf(const Step& step, BlendMode blend) noexcept;
+
+/// Variants in which a mesh may be drawn: with and without dissolving, in every way of blending that is declared. With
+/// one member there is nothing to blend.
+std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayDissolve,
+                                    std::span<const BlendMode> blends);
 
 /// What the vertex stage reads.
 enum class CellVertices : std::uint8_t {
@@ -44,6 +49,7 @@ struct CellPipelineInfo {
   CellVertices vertices = CellVertices::attributes;
   std::span<const VkFormat> colourFormats;  // without a render pass: of dynamic rendering, with
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;
+  std::uint32_t viewStride = 0;  // for both eyes: from a step's parameters for one view to those for the next
 };
 
 PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& info);

@@ -8,6 +8,7 @@
 
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
+#include "render/colour_plan.h"
 #include "render/gpu_scene.h"
 #include "shaders/colour_apply_comp.h"
 #include "shaders/colour_count_frag.h"
@@ -47,6 +48,11 @@ std::uint32_t methodOf(ColourTable table) {
   return shader::kMapPreserving;
 }
 
+// Whether the proxy shows it.
+bool isCounted(const FramePlan& plan, const Step& step) {
+  return step.tier == kTierAgrees && step.cell != kNoCell && plan.cells[step.cell].colourNeeded;
+}
+
 bool startsWithMain(const Steps& steps) {
   return steps.count > 0 && steps.step[0].tier == kTierAgrees && steps.step[0].cell == 0;
 }
@@ -74,10 +80,10 @@ RenderPassHandle makeRenderPass(const Device& device) {
 }  // namespace
 
 ColourMapPass::ColourMapPass(Device& device, ColourTables& tables, const CellPass& cells, const Canvas& canvas,
-                             ColourSupport support)
+                             const RendererOptions& options)
     : tables_(&tables), cells_(&cells), canvas_(&canvas) {
-  assert(support != ColourSupport::off);
-  const bool sequence = support == ColourSupport::all;
+  assert(options.colour != ColourSupport::off);
+  const bool sequence = options.colour == ColourSupport::all;
   const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), cells.scene().sets.layout(), tables.setLayout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(FragmentConstants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
@@ -110,17 +116,15 @@ ColourMapPass::ColourMapPass(Device& device, ColourTables& tables, const CellPas
         {"colour proxy", shaders::colour_proxy_frag, layout_.get(), canvas.renderPass(), true},
         {"colour count", shaders::colour_count_frag, layout_.get(), renderPass_.get()},
         {"colour redraw", shaders::colour_redraw_frag, layout_.get(), renderPass_.get()}};
-    for (const bool dissolve : {false, true}) {
-      const Key key{stage, {mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}};
-      if ((!dissolve || mayDissolve) && !pipelines_.contains(key))
-        pipelines_.emplace(key, makeCellPipeline(device, key.variant, infos[std::size_t(stage)]));
-    }
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
+      if (const Key key{stage, variant}; !pipelines_.contains(key))
+        pipelines_.emplace(key, makeCellPipeline(device, variant, infos[std::size_t(stage)]));
   };
   for (const GpuScene::State::Mesh& cell : cells.scene().cells) {
-    require(Stage::proxy, cell, true);
+    require(Stage::proxy, cell, options.dissolve);
     if (!sequence) continue;
-    require(Stage::count, cell, true);
-    require(Stage::redraw, cell, true);
+    require(Stage::count, cell, options.dissolve);
+    require(Stage::redraw, cell, options.dissolve);
   }
   if (sequence)
     for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(Stage::redraw, backdrop, false);
@@ -142,7 +146,8 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   for (std::uint32_t k = 0; k < frame.count; ++k) {
     frame.slot[k] = plan.cells[k].colourSlot;
     frame.owner[k] = plan.cells[k].cell + 1;
-    frame.fresh[k] = plan.cells[k].colourFresh;
+    const bool fresh = plan.cells[k].colourFresh || !eyesShare(plan);
+    frame.fresh[k] = (fresh ? shader::kColourFresh : 0) | (plan.cells[k].colourNeeded ? 0 : shader::kColourUnseen);
   }
   // Small pictures would leave too few pixels to trust a table.
   constexpr double kEnoughPixels = 20'000;
@@ -159,24 +164,24 @@ shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D ext
   return frame;
 }
 
-void ColourMapPass::count(const FramePlan& plan, Renderer::Counters& counters) const noexcept {
+void ColourMapPass::count(const FramePlan& plan, VkExtent2D extent, Renderer::Counters& counters) const noexcept {
   const ColourMapping mapping = plan.settings.colourMapping;
   if (mapping == ColourMapping::off) return;
-  const Intrinsics& k = plan.views[0].intrinsics;
-  const shader::ColourFrame frame =
-      frameOf(plan, {std::uint32_t(k.width), std::uint32_t(k.height)}, canvas_->largest());
+  const shader::ColourFrame frame = frameOf(plan, extent, canvas_->largest());
   const Steps steps = stepsOf(cells_->scene(), plan, Order::current, 0);
   const auto again = [&](const Step& step) {
     ++counters.draws;
     counters.triangles += step.range.indexCount / 3;
   };
   if (mapping == ColourMapping::ours) {
-    if (frame.count > 0) ++counters.dispatches;
-    if (!frame.measured || frame.count < 2) return;
-    ++counters.passes;
-    ++counters.dispatches;
-    for (const Step& step : steps.all())
-      if (step.tier == kTierAgrees && step.cell != kNoCell) again(step);
+    for (std::size_t view = 0; view < (eyesShare(plan) ? 1 : plan.views.size()); ++view) {
+      if (frame.count > 0) ++counters.dispatches;
+      if (!frame.measured || frame.count < 2) continue;
+      ++counters.passes;
+      ++counters.dispatches;
+      for (const Step& step : steps.all())
+        if (isCounted(plan, step)) again(step);
+    }
     return;
   }
   std::uint32_t made = std::min(frame.count, 1u);
@@ -197,8 +202,8 @@ void ColourMapPass::count(const FramePlan& plan, Renderer::Counters& counters) c
   }
 }
 
-void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step, std::uint32_t parameter,
-                         VkExtent2D extent) const noexcept {
+void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step, BlendMode blend,
+                         std::uint32_t parameter, VkExtent2D extent) const noexcept {
   const VkRenderPassBeginInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                    .renderPass = renderPass_.get(),
                                    .framebuffer = framebuffer_.get(),
@@ -207,7 +212,7 @@ void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
   vkCmdSetViewport(commands, 0, 1, &viewport);
   vkCmdSetScissor(commands, 0, 1, &info.renderArea);
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at({stage, variantOf(step)}).get());
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at({stage, variantOf(step, blend)}).get());
   cells_->bind(commands, layout_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetColour, 1,
                           &sequenceSet_, 0, nullptr);
@@ -217,18 +222,19 @@ void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step
   vkCmdEndRenderPass(commands);
 }
 
-void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, VkExtent2D extent) const noexcept {
+void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,
+                               VkExtent2D extent) const noexcept {
   const shader::ColourFrame frame = frameOf(plan, extent, canvas_->largest());
   tables_->begin(commands, frame);
   if (frame.measured && frame.count > 1) {
-    const Steps steps = stepsOf(cells_->scene(), plan, Order::current, 0);
+    const Steps steps = stepsOf(cells_->scene(), plan, Order::current, view);
     const std::uint32_t rows = (frame.count + frame.tileColumns - 1) / frame.tileColumns;
     canvas_->begin(commands, {std::min(frame.count, frame.tileColumns) * frame.tileWidth, rows * frame.tileHeight},
                    {0, 0, 0, 0});
     cells_->bind(commands, layout_.get());
     for (std::uint32_t s = 0; s < steps.count; ++s) {
       const Step& step = steps.step[s];
-      if (step.tier != kTierAgrees || step.cell == kNoCell) continue;
+      if (!isCounted(plan, step)) continue;
       const VkOffset2D origin{std::int32_t(step.cell % frame.tileColumns * frame.tileWidth),
                               std::int32_t(step.cell / frame.tileColumns * frame.tileHeight)};
       const VkViewport viewport{float(origin.x), float(origin.y), float(frame.tileWidth), float(frame.tileHeight), 0,
@@ -239,9 +245,9 @@ void ColourMapPass::makeTables(VkCommandBuffer commands, const FramePlan& plan, 
       vkCmdSetViewport(commands, 0, 1, &viewport);
       vkCmdSetScissor(commands, 0, 1, &scissor);
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
-                        pipelines_.at({Stage::proxy, variantOf(step)}).get());
+                        pipelines_.at({Stage::proxy, variantOf(step, plan.settings.blend)}).get());
       vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof tile, &tile);
-      cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, 0) + s);
+      cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, view) + s);
     }
     canvas_->end(commands);
     transition(commands, canvas_->colour(), use::kSampled, kSampledByCompute);
@@ -289,11 +295,11 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
     transition(commands, canvas_->colour(), use::kTransferSource, use::kColourAttachment);
     if (step.tier != kTierAgrees) {
       makeUpTo(frame.count);  // cells without tier 0 too
-      draw(commands, Stage::redraw, step, parameter + s, extent);
+      draw(commands, Stage::redraw, step, plan.settings.blend, parameter + s, extent);
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kTransferSource);
       continue;
     }
-    draw(commands, Stage::count, step, parameter + s, extent);
+    draw(commands, Stage::count, step, plan.settings.blend, parameter + s, extent);
     makeUpTo(step.cell + 1);
     if (byCompute) {
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kStorage);
@@ -306,7 +312,7 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
       transition(commands, canvas_->colour(), use::kStorage, use::kTransferSource);
     } else {
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kColourAttachment);
-      draw(commands, Stage::redraw, step, parameter + s, extent);
+      draw(commands, Stage::redraw, step, plan.settings.blend, parameter + s, extent);
       transition(commands, canvas_->colour(), use::kColourAttachment, use::kTransferSource);
     }
   }

@@ -30,20 +30,22 @@ class ColourMapPass {
     return support == ColourSupport::all ? VK_IMAGE_USAGE_STORAGE_BIT : 0;
   }
 
-  /// All must outlive it. `support` is not off.
+  /// All must outlive it. The options' colour support is not off.
   ColourMapPass(Device& device, ColourTables& tables, const CellPass& cells, const Canvas& canvas,
-                ColourSupport support);
+                const RendererOptions& options);
 
   /// Ours: makes the frame's tables; cells' parameters have been updated. Leaves the canvas ended, its contents of no
-  /// use. Outside a render pass. `extent`: of the first view.
-  void makeTables(VkCommandBuffer commands, const FramePlan& plan, VkExtent2D extent) const noexcept;
+  /// use. Outside a render pass. `extent`: of the canvas's picture. For the first view, unless eyes have tables of
+  /// their own.
+  void makeTables(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent) const noexcept;
 
   /// The paper's sequence: makes the tables and draws the first view, from Canvas::begin to what Canvas::end promises.
   void drawSequence(VkCommandBuffer commands, const FramePlan& plan, VkExtent2D extent) const noexcept;
 
   /// Adds what these passes do beyond drawing each step once in one pass a view.
-  void count(const FramePlan& plan, Renderer::Counters& counters) const noexcept;
+  void count(const FramePlan& plan, VkExtent2D extent, Renderer::Counters& counters) const noexcept;
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()) + (copy_ ? 3 : 2); }
+  VkDeviceSize bytes() const noexcept { return tables_->bytes() + (copy_ ? canvas_->bytes() / 2 : 0); }
   VkDeviceSize imageBytes() const noexcept { return copy_ ? copy_->allocatedBytes() : 0; }
 
   /// What a plan's tables are made for. Not `measured` in frames that do not count, and where the proxy's tiles would
@@ -57,7 +59,7 @@ class ColourMapPass {
     CellVariant variant;
     auto operator<=>(const Key&) const = default;
   };
-  void draw(VkCommandBuffer commands, Stage stage, const Step& step, std::uint32_t parameter,
+  void draw(VkCommandBuffer commands, Stage stage, const Step& step, BlendMode blend, std::uint32_t parameter,
             VkExtent2D extent) const noexcept;
 
   ColourTables* tables_;

@@ -40,6 +40,17 @@ std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::u
   return kColourSlotCount;
 }
 
+// A table that nothing shows is not measured: what was remembered stays, and what never was is new when it shows.
+void markNeeded(FramePlan& plan) {
+  for (PlannedCell& cell : plan.cells) {
+    cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || !plan.former.empty() || !plan.leaving.empty();
+    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+      if (plan.colour.backdropSlots[b] == cell.colourSlot && (plan.backdropsHidden.empty() || !plan.backdropsHidden[b]))
+        cell.colourNeeded = true;
+    if (!cell.colourNeeded && cell.colourFresh) plan.next.colourSlots[cell.colourSlot] = kNobody;
+  }
+}
+
 }  // namespace
 
 void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
@@ -57,6 +68,7 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
   for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
     colour.backdropSlots[b] = slotOfPhotograph(scene, plan, scene.backdrops[plan.backdrops[b]].members[0]);
 
+  markNeeded(plan);
   const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
   const double left = switched ? settings.colourFadeSeconds : state.colourFade;
   constexpr double kDone = 1e-9;  // rounding of the sum of many steps is not worth a frame
@@ -64,9 +76,9 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
   colour.mainMapped = colour.mainShare < 1.0;
   plan.next.colourFade = colour.mainMapped ? left - seconds : 0.0;
   if (ours) {
-    const bool anyNew =
-        std::any_of(plan.cells.begin(), plan.cells.end(), [](const auto& cell) { return cell.colourFresh; });
-    colour.counted = anyNew || state.colourAge + 1 >= settings.colourPeriod;
+    const bool anyNew = std::any_of(plan.cells.begin(), plan.cells.end(),
+                                    [](const auto& cell) { return cell.colourFresh && cell.colourNeeded; });
+    colour.counted = anyNew || !eyesShare(plan) || state.colourAge + 1 >= settings.colourPeriod;
     plan.next.colourAge = colour.counted ? 0 : state.colourAge + 1;
     colour.share = settings.colourSmoothSeconds > 0 ? -std::expm1(-seconds / settings.colourSmoothSeconds) : 1.0;
     colour.largestStep = std::clamp(settings.colourLargestSpeed * seconds, 0.0, 255.0);

@@ -14,4 +14,9 @@ namespace ibr {
 /// are those of that photograph. Tier 1 takes its cell's.
 void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan);
 
+/// Both views take the same tables.
+inline bool eyesShare(const FramePlan& plan) {
+  return plan.views.size() == 1 || plan.settings.shareEyeColours;
+}
+
 }  // namespace ibr

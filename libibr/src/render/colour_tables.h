@@ -33,6 +33,9 @@ class ColourTables {
   VkBuffer tables() const noexcept { return tables_.get(); }
   const Buffer& tablesBuffer() const noexcept { return tables_; }
   const Buffer& counters() const noexcept { return counters_; }
+  VkDeviceSize bytes() const noexcept {
+    return frame_.size() + counters_.size() + slots_.size() + tables_.size() + noise_.size();
+  }
 
   /// Waits for earlier frames' reads and writes, writes the frame and clears its counters where frame.measured.
   void begin(VkCommandBuffer commands, const shader::ColourFrame& frame) const noexcept;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cassert>
 
+#include "base/check.h"
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
@@ -32,11 +33,19 @@ std::size_t indexOf(VkFormat format) {
 struct Constants {
   glm::vec3 background;
   std::uint32_t keepTier;
-  glm::vec2 fillExtent;
+  glm::vec2 fillExtent, canvasExtent, targetExtent;
   float formerWeight;
   shader::FloorConstants floor;
 };
-static_assert(sizeof(Constants) == 80);
+static_assert(sizeof(Constants) == 96);
+
+struct Variant {  // specialisation constants
+  VkBool32 srgb, former, fill, scaled, floor;
+};
+
+glm::vec2 vectorOf(VkExtent2D extent) {
+  return {float(extent.width), float(extent.height)};
+}
 
 }  // namespace
 
@@ -45,7 +54,7 @@ bool CompositePass::supports(VkFormat format) noexcept {
 }
 
 CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former,
-                             const FillPass* fill) {
+                             const FillPass* fill, const RendererOptions& options) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
   VkSamplerCreateInfo linear = nearest;
@@ -71,23 +80,40 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
-  for (const Format& format : kFormats) {
-    const VkBool32 srgb = format.srgb;
-    const VkSpecializationMapEntry entry{0, 0, sizeof srgb};
+  const auto require = [&](const Key& key) {
+    check(supports(key.format), ErrorCode::unsupported, "renderer: VkFormat {} is not 8-bit RGBA or BGRA",
+          int(key.format));
+    constexpr std::array<VkSpecializationMapEntry, 5> kEntries{{{0, offsetof(Variant, srgb), 4},
+                                                                {1, offsetof(Variant, former), 4},
+                                                                {2, offsetof(Variant, fill), 4},
+                                                                {3, offsetof(Variant, scaled), 4},
+                                                                {4, offsetof(Variant, floor), 4}}};
+    const Variant variant{kFormats[indexOf(key.format)].srgb, key.former, key.filled, key.scaled, key.floor};
     GraphicsPipelineInfo info;
     info.vertex = shaders::composite_vert;
     info.fragment = shaders::composite_frag;
-    info.specialisation = {{&entry, 1}, std::as_bytes(std::span(&srgb, 1))};
+    info.specialisation = {kEntries, std::as_bytes(std::span(&variant, 1))};
     info.layout = layout_.get();
-    info.colourFormats = {&format.format, 1};
+    info.colourFormats = {&key.format, 1};
     info.name = "composite";
-    pipelines_.push_back(makeGraphicsPipeline(device, info));
-  }
+    pipelines_.emplace(key, makeGraphicsPipeline(device, info));
+  };
+  for (const VkFormat format : options.formats)
+    for (const bool mixed : {false, true})
+      for (const bool filled : {false, true})
+        for (const bool scaled : {false, true})
+          for (const bool floor : {false, true})
+            if ((!mixed || former) && (!filled || fill) && (!scaled || options.largestScale > 0) &&
+                (!floor || options.floor))
+              require({format, mixed, filled, scaled, floor});
 }
 
 void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
-                           float formerWeight, bool filled, const Target& target) const noexcept {
-  assert(supports(target.format));
+                           VkExtent2D drawn, float formerWeight, bool filled, const Target& target) const noexcept {
+  const RenderSettings& settings = plan.settings;
+  const bool scaled = drawn.width != target.extent.width || drawn.height != target.extent.height;
+  const Key key{target.format, formerWeight > 0, filled, scaled, settings.floor.has_value()};
+  assert(pipelines_.contains(key));
   transition(commandBuffer, target.image, target.before, use::kColourAttachment);
   VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
   attachment.imageView = target.view;
@@ -103,16 +129,16 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
   const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
   vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
   vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
-  vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
+  vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0,
                           nullptr);
-  const RenderSettings& settings = plan.settings;
-  Constants constants{
-      settings.background, settings.alpha == AlphaContent::tier, {0, 0}, formerWeight, floorConstants(plan, view)};
-  if (filled) {
-    const VkExtent2D used = FillPass::coarser(target.extent);
-    constants.fillExtent = {float(used.width), float(used.height)};
-  }
+  const Constants constants{settings.background,
+                            settings.alpha == AlphaContent::tier,
+                            vectorOf(FillPass::coarser(drawn)),
+                            vectorOf(drawn),
+                            vectorOf(target.extent),
+                            formerWeight,
+                            floorConstants(plan, view)};
   vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commandBuffer, 3, 1, 0, 0);
   vkCmdEndRendering(commandBuffer);

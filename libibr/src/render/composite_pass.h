@@ -2,6 +2,9 @@
 // Canvas → the caller's image: background, transfer function of the target's format, alpha.
 #pragma once
 
+#include <compare>
+#include <map>
+
 #include "gpu/canvas.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
@@ -13,12 +16,14 @@ class CompositePass {
  public:
   /// `eyes`: a canvas of two layers that is composed too; `former`: the canvas of the order before a switch; `fill`:
   /// what shows where nothing was drawn. Null: there is none.
-  CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former, const FillPass* fill);
+  CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former, const FillPass* fill,
+                const RendererOptions& options);
 
   /// Outside a render pass; the canvas has been ended, the former one where formerWeight > 0, and the fill pass was
-  /// recorded where `filled`. `source`: as of FillPass. target.before → target.after; the whole extent is written.
+  /// recorded where `filled`. `source`: as of FillPass; `drawn`: extent of the canvas's picture.
+  /// target.before → target.after; the whole extent is written.
   void record(VkCommandBuffer commandBuffer, std::size_t source, const FramePlan& plan, std::size_t view,
-              float formerWeight, bool filled, const Target& target) const noexcept;
+              VkExtent2D drawn, float formerWeight, bool filled, const Target& target) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 
@@ -30,7 +35,12 @@ class CompositePass {
   DescriptorPoolHandle pool_;
   std::vector<VkDescriptorSet> sets_;  // by source
   PipelineLayoutHandle layout_;
-  std::vector<PipelineHandle> pipelines_;  // one a supported format
+  struct Key {
+    VkFormat format;
+    bool former, filled, scaled, floor;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::map<Key, PipelineHandle> pipelines_;  // those that the options declare
 };
 
 }  // namespace ibr

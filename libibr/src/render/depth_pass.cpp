@@ -23,7 +23,7 @@ std::size_t indexOf(VkFormat format) {
 }
 
 struct Constants {
-  float slots, stepDepth, nearDistance, offset, slope;
+  float slots, stepDepth, nearDistance, offset, slope, scaleX, scaleY;
 };
 
 }  // namespace
@@ -57,7 +57,7 @@ DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* e
 }
 
 void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance,
-                       VkExtent2D extent, const DepthTarget& target) const noexcept {
+                       VkExtent2D drawn, VkExtent2D extent, const DepthTarget& target) const noexcept {
   assert(supports(target.format));
   transition(commands, target.image, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -83,7 +83,13 @@ void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32
     offset = 1.0 - offset;
     slope = -slope;
   }
-  const Constants constants{float(steps + 1), kStepDepth, float(nearDistance), float(offset), float(slope)};
+  const Constants constants{float(steps + 1),
+                            kStepDepth,
+                            float(nearDistance),
+                            float(offset),
+                            float(slope),
+                            float(drawn.width) / float(extent.width),
+                            float(drawn.height) / float(extent.height)};
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commands, 3, 1, 0, 0);
   vkCmdEndRendering(commands);

@@ -18,9 +18,9 @@ class DepthPass {
   DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes = nullptr);
 
   /// Outside a render pass; the canvas has been ended. `source`: as of FillPass; `steps`: how many were drawn into it
-  /// with our order.
-  void record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance, VkExtent2D extent,
-              const DepthTarget& target) const noexcept;
+  /// with our order; `drawn`: extent of the canvas's picture; `extent`: of the target, which takes the nearest.
+  void record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance, VkExtent2D drawn,
+              VkExtent2D extent, const DepthTarget& target) const noexcept;
 
   static bool supports(VkFormat format) noexcept;
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }

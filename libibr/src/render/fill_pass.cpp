@@ -105,6 +105,13 @@ VkDeviceSize FillPass::allocatedBytes() const noexcept {
   return bytes;
 }
 
+VkDeviceSize FillPass::bytes() const noexcept {
+  VkDeviceSize bytes = 0;
+  for (const GpuImage& level : levels_)
+    bytes += VkDeviceSize(8) * level.info().extent.width * level.info().extent.height;
+  return bytes;
+}
+
 void FillPass::dispatch(VkCommandBuffer commands, VkPipeline pipeline, VkDescriptorSet set, VkExtent2D fine,
                         VkExtent2D coarse, VkExtent2D threads) const noexcept {
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);

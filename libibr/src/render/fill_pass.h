@@ -24,6 +24,7 @@ class FillPass {
 
   const GpuImage& colours() const noexcept { return levels_[0]; }
   VkDeviceSize allocatedBytes() const noexcept;
+  VkDeviceSize bytes() const noexcept;  // of texels
   static constexpr std::uint32_t kPipelineCount = 3;
   static std::uint32_t dispatchCount(VkExtent2D extent) noexcept;  // of one recording
 

@@ -19,6 +19,7 @@
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
 #include "render/culling.h"
+#include "render/occlusion.h"
 #include "render/transition.h"
 
 namespace ibr {
@@ -36,6 +37,10 @@ void checkView(const Camera& view) {
         "view: position ({}, {}, {}) is not finite", p.x, p.y, p.z);
   const double length = glm::length(view.pose.rotation);
   check(std::abs(length - 1.0) <= 1e-3, ErrorCode::invalidInput, "view: rotation has length {}, not 1", length);
+}
+
+void checkScale(const char* name, double scale) {
+  check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "settings: {} {} is not positive", name, scale);
 }
 
 // Positions of a cell's members, sorted: what tells two cells apart wherever they stand in the file.
@@ -65,6 +70,8 @@ class Planner {
     check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput, "{} views, not one or two",
           input.views.size());
     for (const Camera& view : input.views) checkView(view);
+    checkScale("textureScale", settings_.textureScale);
+    checkScale("renderScale", settings_.renderScale);
     plan_.views = input.views;
     for (Camera& view : plan_.views) {
       view.pose.rotation = glm::normalize(view.pose.rotation);
@@ -81,6 +88,9 @@ class Planner {
     chooseCells();
     fadeChanges();
     planBackdrops();
+    // The paper draws all of its cells, and counts their colours.
+    if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
+      markHidden(scene_, bounds_, plan_);
     mixSwitch();
     rememberSingles();
     planColours(scene_, dt_, state_, plan_);

@@ -10,19 +10,6 @@
 namespace ibr {
 namespace {
 
-// T10: where the rays of a point's members part by more than 120°, their sum loses its direction; such a triangle is
-// left out.
-bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
-  std::array<glm::dvec3, 4> rays;
-  for (std::size_t i = 0; i < cell.members.size(); ++i) {
-    const Camera& camera = scene.nodes[cell.members[i]].camera;
-    rays[i] = camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][point]);
-    for (std::size_t j = 0; j < i; ++j)
-      if (glm::dot(rays[i], rays[j]) < -0.5) return false;
-  }
-  return true;
-}
-
 struct Geometry {
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
@@ -79,7 +66,7 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 }  // namespace
 
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
-    : sets(device, options.filter) {
+    : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
   addMeshes(device, scene);
   const std::uint64_t meshBytes = vertices.allocatedBytes() + indices.allocatedBytes();
   photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);

@@ -12,6 +12,7 @@
 #include "gpu/buffer.h"
 #include "gpu/handle.h"
 #include "ibr/renderer.h"
+#include "ibr/requirements.h"
 #include "render/photograph_sets.h"
 #include "render/photographs.h"
 
@@ -44,6 +45,7 @@ struct GpuScene::State {
   Buffer vertices, indices;
   std::vector<Mesh> cells, backdrops;                   // as those of the scene
   std::vector<std::vector<std::uint32_t>> cellsOfNode;  // only where photographs are streamed
+  Requirements requirements;                            // the scene's own part
 };
 
 /// Bytes of a vertex with d members.

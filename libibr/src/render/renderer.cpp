@@ -2,15 +2,18 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <optional>
 
 #include "gpu/canvas.h"
 #include "gpu/multiview.h"
+#include "gpu/scope.h"
 #include "gpu/submit.h"
 #include "ibr/renderer.h"
 #include "render/buffer_pass.h"
 #include "render/cell_pass.h"
 #include "render/colour_map_pass.h"
+#include "render/colour_plan.h"
 #include "render/colour_tables.h"
 #include "render/composite_pass.h"
 #include "render/depth_pass.h"
@@ -23,29 +26,33 @@ namespace ibr {
 
 struct Renderer::State {
   State(Device& device, const GpuScene& gpuScene, const RendererOptions& o)
-      : scene(&gpuScene.state()), options(o), canvas(device, o.largest, ColourMapPass::canvasUse(o.colour)) {
-    if (o.switchMixing) former.emplace(device, o.largest);
-    if (o.views == 2 && o.multiview && multiviewWorks(device)) eyes.emplace(device, o.largest, 0, 2);
-    if (o.fill) fill.emplace(device, canvas, eyesOrNull());
-    if (o.colour != ColourSupport::off && scene->cells.size() > 1)  // one cell has nothing to adapt to
-      tables.emplace(device, std::min(std::uint32_t(scene->cells.size()), kLargestCellCount));
-    cells.emplace(device, gpuScene, canvas.renderPass(), o.views, tables ? tables->tables() : VK_NULL_HANDLE,
+      : scene(&gpuScene.state()),
+        options(o),
+        requirements(withOptions(scene->requirements, o)),
+        canvas(device, scaled(o.largest, o.largestScale),
+               ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
+    const Requirements& needed = requirements;
+    if (needed.switchMixing) former.emplace(device, canvas.largest());
+    if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
+    if (needed.fill) fill.emplace(device, canvas, eyesOrNull());
+    if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kLargestCellCount));
+    cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE,
                   eyes ? eyes->renderPass() : VK_NULL_HANDLE);
-    if (tables) colours.emplace(device, *tables, *cells, canvas, o.colour);
-    composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr);
-    if (o.depth) depth.emplace(device, canvas, eyesOrNull());
-    if (o.wireframe) wireframe.emplace(device, *cells, canvas.renderPass(), tables.has_value());
-    if (o.buffers) buffers.emplace(device, *o.buffers, *cells, canvas);
+    if (tables) colours.emplace(device, *tables, *cells, canvas, o);
+    composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o);
+    if (needed.depth) depth.emplace(device, canvas, eyesOrNull());
+    if (needed.wireframe) wireframe.emplace(device, *cells, canvas.renderPass(), o, needed);
+    if (needed.buffers) buffers.emplace(device, *o.buffers, *cells, canvas, needed);
     // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
     // are bound with from here on.
     submitAndWait(device, [&](VkCommandBuffer commands) {
       const std::array<const Canvas*, 3> images{&canvas, former ? &*former : nullptr, eyesOrNull()};
       for (const Canvas* image : images) {
         if (!image) continue;
-        image->begin(commands, o.largest, {0, 0, 0, 0});
+        image->begin(commands, image->largest(), {0, 0, 0, 0});
         image->end(commands);
       }
-      if (fill) fill->record(commands, o.largest);
+      if (fill) fill->record(commands, canvas.largest());
     });
   }
 
@@ -55,17 +62,35 @@ struct Renderer::State {
   bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
   bool drawsAtOnce(const FramePlan& plan) const {
     return eyes && plan.views.size() == 2 && !plan.settings.wireframe && !isSequence(plan) &&
-           plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
+           (!adapts(plan) || eyesShare(plan)) && plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
            plan.views[0].intrinsics.height == plan.views[1].intrinsics.height;
   }
+  bool adapts(const FramePlan& plan) const { return colours && plan.settings.colourMapping == ColourMapping::ours; }
   bool isSequence(const FramePlan& plan) const {
     return colours && (plan.settings.colourMapping == ColourMapping::paper ||
                        plan.settings.colourMapping == ColourMapping::paperRedraw);
   }
   bool fills(const FramePlan& plan) const { return fill && plan.settings.lowestTier >= kTierFilled; }
 
+  // Fills the canvas, or with the first view the one for both eyes, and the former order's.
+  void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+            ScopeTimer* timer) const noexcept;
+  void drawCells(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+                 VkExtent2D extent) const noexcept;
+
+  // Of the picture in the canvas.
+  VkExtent2D drawn(const FramePlan& plan, VkExtent2D target) const {
+    return scaled(target, options.largestScale > 0 ? std::min(plan.settings.renderScale, options.largestScale) : 0);
+  }
+  static VkExtent2D scaled(VkExtent2D extent, double scale) {  // 0: as it is
+    if (scale == 0) return extent;
+    const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
+    return {side(extent.width), side(extent.height)};
+  }
+
   const GpuScene::State* scene;
   RendererOptions options;
+  Requirements requirements;
   Canvas canvas;
   std::optional<Canvas> former, eyes;  // the latter for both views at once
   std::optional<FillPass> fill;
@@ -88,49 +113,70 @@ bool Renderer::supports(VkFormat format) noexcept {
   return CompositePass::supports(format);
 }
 
-void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan,
-                      std::span<const Target> targets) const noexcept {
+void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+                           ScopeTimer* timer) const noexcept {
+  if (adapts(plan) && (view == 0 || !eyesShare(plan))) {
+    const GpuScope scope(commands, timer, "colour tables");
+    colours->makeTables(commands, plan, view, extent);
+  }
+  const bool atOnce = drawsAtOnce(plan);
+  if (!atOnce || view == 0) {
+    const GpuScope scope(commands, timer, "canvas");
+    if (isSequence(plan) && view == 0)
+      colours->drawSequence(commands, plan, extent);
+    else if (!atOnce)
+      drawCells(commands, plan, Order::current, view, extent);
+    else {
+      eyes->begin(commands, extent, {0, 0, 0, 0});
+      cells->drawEyes(commands, plan, extent);
+      eyes->end(commands);
+    }
+  }
+  if (!mixes(plan)) return;
+  const GpuScope scope(commands, timer, "former canvas");
+  drawCells(commands, plan, Order::former, view, extent);
+}
+
+void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
+                                VkExtent2D extent) const noexcept {
+  const Canvas& into = order == Order::current ? canvas : *former;
+  into.begin(commands, extent, {0, 0, 0, 0});
+  if (plan.settings.wireframe)
+    wireframe->draw(commands, plan, order, view, extent);
+  else
+    cells->draw(commands, plan, order, view, extent);
+  into.end(commands);
+}
+
+void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
+                      ScopeTimer* timer) const noexcept {
   const State& s = *state_;
-  const ColourMapping mapping = s.colours ? plan.settings.colourMapping : ColourMapping::off;
-  const bool sequence = s.isSequence(plan);
-  assert(!sequence || s.options.colour == ColourSupport::all);
-  assert(!plan.settings.wireframe || (s.wireframe && !sequence));
+  assert(!s.isSequence(plan) || s.options.colour == ColourSupport::all);
+  assert(!plan.settings.wireframe || (s.requirements.wireframe && !s.isSequence(plan)));
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
-  if (mapping == ColourMapping::ours) s.colours->makeTables(commandBuffer, plan, targets[0].extent);
   const bool atOnce = s.drawsAtOnce(plan);
-  if (atOnce) {
-    s.eyes->begin(commandBuffer, targets[0].extent, {0, 0, 0, 0});
-    s.cells->drawEyes(commandBuffer, plan, targets[0].extent);
-    s.eyes->end(commandBuffer);
-  }
   for (std::size_t view = 0; view < targets.size(); ++view) {
     const Target& target = targets[view];
+    const VkExtent2D extent = s.drawn(plan, target.extent);
     const std::size_t source = atOnce ? kFromEyes + view : kFromCanvas;
     assert(!target.depth || s.depth);
     assert(target.extent.width <= s.options.largest.width && target.extent.height <= s.options.largest.height);
     assert(int(target.extent.width) == plan.views[view].intrinsics.width &&
            int(target.extent.height) == plan.views[view].intrinsics.height);
-    const auto drawInto = [&](const Canvas& canvas, Order order) {
-      canvas.begin(commandBuffer, target.extent, {0, 0, 0, 0});
-      if (plan.settings.wireframe)
-        s.wireframe->draw(commandBuffer, plan, order, view, target.extent);
-      else
-        s.cells->draw(commandBuffer, plan, order, view, target.extent);
-      canvas.end(commandBuffer);
-    };
-    if (sequence && view == 0)
-      s.colours->drawSequence(commandBuffer, plan, target.extent);
-    else if (!atOnce)
-      drawInto(s.canvas, Order::current);
-    if (s.mixes(plan)) drawInto(*s.former, Order::former);
-    if (s.fills(plan)) s.fill->record(commandBuffer, target.extent, source);
+    s.draw(commandBuffer, plan, view, extent, timer);
+    if (s.fills(plan)) {
+      const GpuScope scope(commandBuffer, timer, "fill");
+      s.fill->record(commandBuffer, extent, source);
+    }
     if (target.depth) {
+      const GpuScope scope(commandBuffer, timer, "depth");
       const bool hasDepth = plan.settings.order == DrawOrder::ours;
       const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
-      s.depth->record(commandBuffer, source, steps, plan.nearDistance, target.extent, *target.depth);
+      s.depth->record(commandBuffer, source, steps, plan.nearDistance, extent, target.extent, *target.depth);
     }
-    s.composite->record(commandBuffer, source, plan, view, s.mixes(plan) ? float(plan.formerWeight) : 0.0f,
+    const GpuScope scope(commandBuffer, timer, "composite");
+    s.composite->record(commandBuffer, source, plan, view, extent, s.mixes(plan) ? float(plan.formerWeight) : 0.0f,
                         s.fills(plan), target);
   }
 }
@@ -149,6 +195,16 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   Counters counters;
   counters.pipelines = s.cells->pipelineCount() + s.composite->pipelineCount();
   counters.workingBytes = s.canvas.allocatedBytes();
+  counters.bytes = {.canvases = s.canvas.bytes() + (s.former ? s.former->bytes() : 0) + (s.eyes ? s.eyes->bytes() : 0),
+                    .fill = s.fill ? s.fill->bytes() : 0,
+                    .colours = s.colours ? s.colours->bytes() : 0,
+                    .parameters = s.cells->parameterBytes(),
+                    .noise = s.cells->noiseBytes(),
+                    .uncertainties = s.buffers ? s.buffers->bytes() : 0};
+  const auto drawn = [&](std::size_t view) {
+    const Intrinsics& k = plan.views[view].intrinsics;
+    return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
+  };
   if (s.eyes) counters.workingBytes += s.eyes->allocatedBytes();
   if (s.former) counters.workingBytes += s.former->allocatedBytes();
   if (s.depth) counters.pipelines += s.depth->pipelineCount();
@@ -164,12 +220,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.colours) {
     counters.pipelines += s.colours->pipelineCount();
     counters.workingBytes += s.colours->imageBytes();
-    s.colours->count(plan, counters);
+    s.colours->count(plan, drawn(0), counters);
   }
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
-    const Intrinsics& k = plan.views[view].intrinsics;
-    if (s.fills(plan))
-      counters.dispatches += FillPass::dispatchCount({std::uint32_t(k.width), std::uint32_t(k.height)});
+    if (s.fills(plan)) counters.dispatches += FillPass::dispatchCount(drawn(view));
     ++counters.passes;  // the composition, a triangle
     ++counters.draws;
     ++counters.triangles;
@@ -179,6 +233,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       ++counters.passes;
       const Steps steps = stepsOf(*s.scene, plan, order, view);
       for (const Step& step : steps.all()) {
+        if (step.hidden) continue;
         ++counters.draws;
         counters.triangles += step.range.indexCount / 3;
       }

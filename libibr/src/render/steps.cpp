@@ -28,26 +28,28 @@ Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, 
   Steps steps;
   const auto add = [&](const GpuScene::State::Mesh& mesh, Tier of, Tier tier, const PlannedCell::View& weights,
                        double opacity, std::uint32_t cell, std::uint32_t table, std::uint32_t rank,
-                       double extrapolation) {
+                       double extrapolation, bool hidden) {
     const GpuScene::State::Range& range = mesh.tier[of];
+    hidden = hidden && order == Order::current && plan.settings.order == DrawOrder::ours;
     if (range.indexCount > 0)
-      steps.step[steps.count++] = {
-          &mesh, range, weights, tier, float(opacity), cell, table, rank, float(extrapolation)};
+      steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table, rank, float(extrapolation),
+                                   hidden};
   };
   forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
     add(scene.cells[cell.cell], kTierAgrees, kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
-        cell.extrapolationDistance);
+        cell.extrapolationDistance, cell.hidden);
   });
   if (plan.settings.lowestTier >= kTierRejected)
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
       add(scene.cells[cell.cell], kTierRejected, kTierRejected, {cell.single, cell.single}, cell.opacity, c,
-          cell.colourSlot, rank, cell.extrapolationDistance);
+          cell.colourSlot, rank, cell.extrapolationDistance, cell.rejectedHidden);
     });
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (const Tier of : {kTierAgrees, kTierRejected})
       for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
         add(scene.backdrops[plan.backdrops[b]], of, kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-            plan.colour.backdropSlots[b], std::uint32_t(b), 0.0);
+            plan.colour.backdropSlots[b], std::uint32_t(b), 0.0,
+            b < plan.backdropsHidden.size() && plan.backdropsHidden[b] != 0);
   return steps;
 }
 

@@ -2,6 +2,9 @@
 // What a vertex of a morphing mesh is to the renderer (ARCHITECTURE §5, "Texture coordinates, one rule").
 #pragma once
 
+#include <array>
+#include <glm/geometric.hpp>
+
 #include "ibr/scene.h"
 
 namespace ibr {
@@ -10,6 +13,19 @@ namespace ibr {
 inline glm::dvec3 memberPoint(const Scene& scene, const Cell& cell, std::size_t member, std::size_t point) {
   return unproject(scene.nodes[cell.members[member]].camera.intrinsics, cell.mesh.match[member][point]) *
          double(cell.mesh.ratio[member][point]);
+}
+
+/// T10: where the rays of a point's members part by more than 120°, their sum loses its direction; such a triangle is
+/// left out.
+inline bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
+  std::array<glm::dvec3, 4> rays;
+  for (std::size_t i = 0; i < cell.members.size(); ++i) {
+    const Camera& camera = scene.nodes[cell.members[i]].camera;
+    rays[i] = camera.pose.rotation * unproject(camera.intrinsics, cell.mesh.match[i][point]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (glm::dot(rays[i], rays[j]) < -0.5) return false;
+  }
+  return true;
 }
 
 }  // namespace ibr

@@ -17,7 +17,8 @@ constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_ST
 
 }  // namespace
 
-WireframePass::WireframePass(const Device& device, const CellPass& cells, VkRenderPass renderPass, bool mapped)
+WireframePass::WireframePass(const Device& device, const CellPass& cells, VkRenderPass renderPass,
+                             const RendererOptions& options, const Requirements& requirements)
     : cells_(&cells) {
   const GpuScene::State& scene = cells.scene();
   const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
@@ -34,26 +35,27 @@ WireframePass::WireframePass(const Device& device, const CellPass& cells, VkRend
   writeStorageBuffer(device, set_, 0, scene.vertices.get());
   writeStorageBuffer(device, set_, 1, scene.indices.get());
 
-  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), scene.photographLayout.get(), setLayout_.get()};
+  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), scene.sets.layout(), setLayout_.get()};
   const VkPushConstantRange constants{kStages, 0, sizeof(shader::WireframeConstants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const bool dissolve : {false, true})
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
       for (const bool depth : {false, true})
-        for (const bool map : {false, true}) {
-          const Key key{{mesh.cameras.size(), mesh.panoramas, mesh.onePage, dissolve}, depth, map};
-          if ((dissolve && !mayDissolve) || (map && !mapped) || pipelines_.contains(key)) continue;
-          pipelines_.emplace(key, makeCellPipeline(device, key.variant,
+        for (const bool mapped : {false, true}) {
+          const Key key{variant, depth, mapped};
+          if ((mapped && !requirements.colourTables) || pipelines_.contains(key)) continue;
+          if (!(depth ? requirements.depthOrder : requirements.painters)) continue;
+          pipelines_.emplace(key, makeCellPipeline(device, variant,
                                                    {.name = "wireframe",
                                                     .fragment = shaders::wireframe_frag,
                                                     .layout = layout_.get(),
                                                     .renderPass = renderPass,
                                                     .depth = depth,
-                                                    .mapped = map,
+                                                    .mapped = mapped,
                                                     .vertices = CellVertices::fetched}));
         }
   };
-  for (const GpuScene::State::Mesh& cell : scene.cells) require(cell, true);
+  for (const GpuScene::State::Mesh& cell : scene.cells) require(cell, requirements.dissolve);
   for (const GpuScene::State::Mesh& backdrop : scene.backdrops) require(backdrop, false);
 }
 
@@ -68,7 +70,8 @@ void WireframePass::draw(VkCommandBuffer commands, const FramePlan& plan, Order 
     const float rank = float(step.rank) + (step.tier == kTierBackdrop ? ranks : 0.0f);
     const shader::WireframeConstants constants{step.range.firstIndex, std::uint32_t(step.mesh->vertexOffset / 4), rank,
                                                ranks};
-    const Key key{variantOf(step), !CellPass::isPainters(plan.settings), cells_->isMapped(plan, step)};
+    const Key key{variantOf(step, plan.settings.blend), !cells_->isPainters(plan.settings),
+                  cells_->isMapped(plan, step)};
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
                             &step.mesh->photographs, 0, nullptr);

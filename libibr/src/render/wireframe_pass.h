@@ -10,9 +10,10 @@ namespace ibr {
 
 class WireframePass {
  public:
-  /// `renderPass`: of the canvas. `mapped`: colours may go through tables. Throws Error{unsupported} where the device
-  /// cannot read so many vertices in a shader.
-  WireframePass(const Device& device, const CellPass& cells, VkRenderPass renderPass, bool mapped);
+  /// `renderPass`: of the canvas. `requirements`: of the scene and `options`. Throws Error{unsupported} where the
+  /// device cannot read so many vertices in a shader.
+  WireframePass(const Device& device, const CellPass& cells, VkRenderPass renderPass, const RendererOptions& options,
+                const Requirements& requirements);
 
   /// In place of CellPass::draw.
   void draw(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,

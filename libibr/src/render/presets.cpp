@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings by name, and what a renderer needs for them.
+#include "ibr/renderer.h"
+
+namespace ibr {
+
+RenderSettings preset(Preset preset) {
+  RenderSettings s;
+  s.colourMapping = ColourMapping::ours;
+  switch (preset) {
+    case Preset::fast:
+      s.maxCells = s.maxBackdrops = 4;
+      s.extrapolationLimit = 1;
+      s.renderScale = 0.7;
+      s.colourMapping = ColourMapping::off;
+      break;
+    case Preset::balanced:
+      break;
+    case Preset::accurate:
+      s.maxCells = s.maxBackdrops = 24;
+      s.colourSamples = 1;
+      s.colourProxy = 4;
+      break;
+    case Preset::reference:
+      s.maxCells = kLargestCellCount;
+      s.maxBackdrops = kLargestBackdropCount;
+      s.renderScale = 1.5;
+      s.colourSamples = 1;
+      s.colourProxy = 2;
+      s.colourPeriod = 1;
+      s.shareEyeColours = false;
+      break;
+  }
+  return s;
+}
+
+RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D largest, VkFormat format) {
+  RendererOptions options{.largest = largest};
+  options.switchMixing = settings.switchSeconds > 0;
+  options.fill = settings.lowestTier >= kTierFilled;
+  options.formats = {format};
+  options.orders = {settings.order};
+  options.blends = {settings.blend};
+  options.dissolve = settings.fadeShare > 0 || settings.switchSeconds > 0;  // what changes its place fades too
+  options.wireframe = settings.wireframe;
+  options.floor = settings.floor.has_value();
+  options.largestScale = settings.renderScale == 1 ? 0 : settings.renderScale;
+  switch (settings.colourMapping) {
+    case ColourMapping::off:
+      options.colour = ColourSupport::off;
+      break;
+    case ColourMapping::ours:
+      options.colour = ColourSupport::ours;
+      break;
+    case ColourMapping::paper:
+    case ColourMapping::paperRedraw:
+      options.colour = ColourSupport::all;
+      break;
+  }
+  return options;
+}
+
+}  // namespace ibr

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene pays only for what it declares (NUMERICS §4): counters against a table written by hand, and specialised
+// pictures against general ones.
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "gpu/multiview.h"
+#include "ibr/requirements.h"
+#include "reference/stage.h"
+#include "shared/colour_map.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+constexpr VkExtent2D kExtent{64, 48};
+constexpr std::uint64_t kPixels = 64 * 48;
+constexpr std::uint64_t kParameter = 316;  // bytes of a step's
+constexpr std::uint64_t kLeaving = 16;     // cells that may be drawn besides
+constexpr std::uint64_t kNoise = 64 * 64 * 4;
+
+Camera view(double x = 0.4) {
+  return cameraAt({x, 0.25, 0.1}, 0.02, 0, int(kExtent.width), int(kExtent.height));
+}
+
+SyntheticScene pinholes(std::vector<std::vector<std::uint32_t>> cells, std::size_t members = 4) {
+  SyntheticOptions options = place(members);
+  options.cells = std::move(cells);
+  options.gridStep = 40;
+  options.samplesPerAxis = 1;
+  return makeScene(options);
+}
+
+// The first `panoramas` of three cameras in a room.
+SyntheticScene room(int panoramas) {
+  SyntheticOptions options;
+  for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {1, 0, 0.1}, {0.4, 0.8, 0.2}}) {
+    Camera camera = cameraAt(place, 0, 0, 96, 72);
+    if (int(options.cameras.size()) < panoramas) camera.intrinsics = {CameraModel::equirectangular, 128, 64};
+    options.cameras.push_back(camera);
+  }
+  options.planes = roomPlanes({-3, -1.5, -2.5}, {4, 1.9, 3.5}, 0.5);
+  options.surfaceStep = 1;
+  options.samplesPerAxis = 1;
+  return makeScene(options);
+}
+
+struct Row {
+  std::string name;
+  SyntheticScene place;
+  RenderSettings settings;
+  std::size_t views;
+  Renderer::Counters expected;  // but for triangles and working bytes
+  bool multiview = false, buffers = false;
+};
+
+RendererOptions optionsOf(const Row& row) {
+  RendererOptions options = optionsFor(row.settings, kExtent);
+  options.views = std::uint32_t(row.views);
+  options.multiview = row.multiview;
+  if (row.buffers) options.buffers = &row.place.scene;
+  return options;
+}
+
+RenderSettings with(auto change) {
+  RenderSettings settings;
+  change(settings);
+  return settings;
+}
+
+// Written by hand. A scene with nothing special has: two cell pipelines a kind of cell (a cell may dissolve), a
+// composition (two, where switches may be mixed), two passes a view.
+std::vector<Row> table() {
+  const RenderSettings plain;
+  const RenderSettings noFade = with([](auto& s) { s.fadeShare = s.switchSeconds = 0; });
+  const RenderSettings dither = with([](auto& s) {
+    s.blend = BlendMode::dither;
+    s.fadeShare = s.switchSeconds = 0;
+  });
+  const RenderSettings paper = with([](auto& s) { s.order = DrawOrder::paper; });
+  const RenderSettings mapped = with([](auto& s) { s.colourMapping = ColourMapping::ours; });
+  const RenderSettings filled = with([](auto& s) { s.lowestTier = kTierFilled; });
+  SyntheticScene rejected = pinholes({{0, 1, 2}});
+  for (Cell& cell : rejected.scene.cells) cell.mesh.tier.back() = kTierRejected;
+  const std::uint64_t canvas = 8 * kPixels;
+  const std::uint64_t fill = 8 * (32 * 24 + 16 * 12 + 8 * 6 + 4 * 3 + 2 * 2 + 1);
+  // A frame's header, the slots of cells, their tables and the identity, and noise.
+  const std::uint64_t tables = sizeof(shader::ColourFrame) + 160 * sizeof(shader::ColourSlot) + 161 * 256 * 4 + kNoise +
+                               4 * shader::counterCount(2, false);  // room for either way of counting
+  const auto counters = [](std::uint32_t pipelines, std::uint32_t passes, std::uint32_t draws, std::uint32_t dispatches,
+                           Renderer::Counters::Bytes bytes) {
+    return Renderer::Counters{
+        .pipelines = pipelines, .passes = passes, .draws = draws, .dispatches = dispatches, .bytes = bytes};
+  };
+  std::vector<Row> rows;
+  rows.push_back({"a line", pinholes({{0, 1}}), plain, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"a triangle", pinholes({{0, 1, 2}}), plain, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"a tetrahedron that never fades", pinholes({{0, 1, 2, 3}}), noFade, 1,
+                  counters(1 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, 0})});
+  rows.push_back({"a dithered triangle", pinholes({{0, 1, 2}}), dither, 1,
+                  counters(1 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"the paper's order", pinholes({{0, 1, 2}}), paper, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"two tiers", rejected, plain, 1,
+                  counters(2 + 1, 2, 3, 0, {canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"filled", pinholes({{0, 1, 2}}), filled, 1,
+                  counters(2 + 2 + 3, 2, 2, 2 * 6 - 1, {canvas, fill, 0, (1 + kLeaving) * kParameter, kNoise})});
+  // Both cells in the order of now, and in that before a switch.
+  rows.push_back({"a line and a triangle", pinholes({{0, 1, 2}, {0, 3}}), plain, 1,
+                  counters(2 * 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
+  rows.push_back(
+      {"colours of two cells", pinholes({{0, 1, 2}, {2, 1, 0}}), mapped, 1,
+       counters(2 * 2 + 2 + 2 + 2, 3, 3 + 2, 2, {2 * canvas, 0, tables, 2 * (2 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"colours of one cell", pinholes({{0, 1, 2}}), mapped, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  RenderSettings sequence = mapped;
+  sequence.colourMapping = ColourMapping::paper;
+  rows.push_back({"the paper's colours of one cell", pinholes({{0, 1, 2}}), sequence, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"two views", pinholes({{0, 1, 2}}), plain, 2,
+                  counters(2 + 1, 4, 4, 0, {canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back(
+      {"panoramas", room(3), plain, 1, counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"a mixed cell", room(2), plain, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  // Once without and once with what is added.
+  rows.push_back({"a floor", pinholes({{0, 1, 2}}), with([](auto& s) { s.floor = Floor{}; }), 1,
+                  counters(2 + 2, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"a wireframe", pinholes({{0, 1, 2}}), with([](auto& s) { s.wireframe = true; }), 1,
+                  counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  SyntheticScene known = pinholes({{0, 1, 2}});
+  const std::uint64_t uncertainties = 4 * known.scene.cells[0].mesh.pointCount();
+  rows.push_back({"buffers", known, plain, 1,
+                  counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise, uncertainties}),
+                  false, true});
+  // One pass for both, into a canvas of two layers beside that for one.
+  if (multiviewWorks(testDevice()))
+    rows.push_back({"two views at once", pinholes({{0, 1, 2}}), plain, 2,
+                    counters(2 * 2 + 1, 1 + 2, 1 + 2, 0, {3 * canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise}),
+                    true});
+  rows.push_back({"no cell", SyntheticScene{}, plain, 1, counters(1, 2, 1, 0, {canvas, 0, 0, kParameter, 0})});
+  return rows;
+}
+
+FramePlan planOf(const SyntheticScene& place, const RenderSettings& settings, std::size_t views = 1) {
+  std::vector<Camera> eyes{view()};
+  if (views == 2) eyes.push_back(view(0.46));
+  return planFrame(place.scene, sceneBounds(place.scene), {eyes, settings});
+}
+
+GpuScene onDevice(const SyntheticScene& place) {
+  return GpuScene(testDevice(), place.scene, {.source = photographsOf(place)});
+}
+
+Image8 pictureOf(const GpuScene& scene, const FramePlan& plan, const RendererOptions& options) {
+  const Renderer renderer(testDevice(), scene, options);
+  Offscreen offscreen(testDevice(), kExtent);
+  return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+}
+
+}  // namespace
+
+TEST_CASE("what a scene costs is what stands in the table") {
+  for (const Row& row : table()) {
+    INFO(row.name);
+    const GpuScene scene = onDevice(row.place);
+    const Renderer::Counters counted =
+        Renderer(testDevice(), scene, optionsOf(row)).count(planOf(row.place, row.settings, row.views));
+    CHECK(counted.pipelines == row.expected.pipelines);
+    CHECK(counted.passes == row.expected.passes);
+    CHECK(counted.draws == row.expected.draws);
+    CHECK(counted.dispatches == row.expected.dispatches);
+    CHECK(counted.bytes.canvases == row.expected.bytes.canvases);
+    CHECK(counted.bytes.fill == row.expected.bytes.fill);
+    CHECK(counted.bytes.colours == row.expected.bytes.colours);
+    CHECK(counted.bytes.parameters == row.expected.bytes.parameters);
+    CHECK(counted.bytes.noise == row.expected.bytes.noise);
+    CHECK(counted.bytes.uncertainties == row.expected.bytes.uncertainties);
+    CHECK(counted.workingBytes >= counted.bytes.canvases + counted.bytes.fill);
+  }
+}
+
+TEST_CASE("a renderer for these settings alone shows what one for all settings shows") {
+  std::vector<std::pair<SyntheticScene, RenderSettings>> cases;
+  for (const Row& row : table())
+    if (row.views == 1) cases.emplace_back(row.place, row.settings);
+  for (const auto& [place, settings] : cases) {
+    const GpuScene scene = onDevice(place);
+    const FramePlan plan = planOf(place, settings);
+    CHECK(pictureOf(scene, plan, optionsFor(settings, kExtent)) == pictureOf(scene, plan,
+                                                                             {.largest = {80, 80},
+                                                                              .views = 2,
+                                                                              .depth = true,
+                                                                              .colour = ColourSupport::all,
+                                                                              .wireframe = settings.wireframe,
+                                                                              .floor = true,
+                                                                              .largestScale = 1}));
+  }
+}
+
+TEST_CASE("requirements are the scene's, and every part says why") {
+  SyntheticScene place = pinholes({{0, 1, 2}, {0, 3}, {0, 1, 2, 3}});
+  place.scene.cells[1].mesh.tier.back() = kTierRejected;
+  RenderSettings settings = preset(Preset::balanced);
+  RendererOptions options = optionsFor(settings, kExtent);
+  const Requirements r = requirementsOf(place.scene, options);
+  CHECK((r.cells == 3 && r.cellsOf[2] == 1 && r.cellsOf[3] == 1 && r.cellsOf[4] == 1));
+  CHECK((r.pinholes == 4 && r.panoramas == 0 && r.mixedCells == 0));
+  CHECK((r.rejected && r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
+  CHECK(r.steps == 2 * (3 + 16));
+  CHECK_FALSE((r.multiview || r.wireframe || r.buffers || r.floor));
+  Cell backdrop = place.scene.cells[0];
+  for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
+  place.scene.backdrops.assign(3, backdrop);
+  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 3);
+  place.scene.backdrops[1].mesh.tier.back() = kTierRejected;  // stretched: drawn after all that agree
+  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 3);
+  place.scene.backdrops.clear();
+  CHECK(requirementsOf(room(2).scene, options).mixedCells == 1);
+  CHECK(requirementsOf(room(3).scene, options).panoramas == 3);
+  CHECK_FALSE(requirementsOf(room(3).scene, options).colourTables);
+  const auto runs = [&](const std::string& name, const Requirements& of) {
+    for (const StageReason& stage : explain(of, options)) {
+      CHECK(!stage.why.empty());
+      if (stage.name == name) return stage.runs;
+    }
+    FAIL(name);
+    return false;
+  };
+  CHECK(runs("colour tables", r));
+  CHECK_FALSE(runs("colour tables", requirementsOf(room(3).scene, options)));
+  CHECK(runs("panorama coordinates", requirementsOf(room(3).scene, options)));
+  CHECK_FALSE(runs("panorama coordinates", r));
+  CHECK(runs("tier 1, from one photograph", r));
+}
+
+TEST_CASE("cells and backdrops that are called hidden change no pixel") {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}, {0, 1, 3}};
+  options.samplesPerAxis = 1;
+  options.planes.resize(1);  // the wall alone: what lies around a board is covered by no mesh
+  SyntheticScene made = makeScene(options);
+  addBackdrops(made, options);
+  for (Cell& cell : made.scene.cells) cell.mesh.tier.back() = kTierRejected;
+  for (std::uint8_t& value : made.photographs[3].values) value = std::uint8_t(value * 3 / 4);
+  const GpuScene scene = onDevice(made);
+  std::size_t hidden = 0;
+  for (const ColourMapping mapping : {ColourMapping::off, ColourMapping::ours})
+    for (const double fov : {0.3, 0.7})
+      for (const Morph morph : {Morph::ours, Morph::paper})
+        for (const double x : {0.4, 0.2, -0.3}) {
+          RenderSettings settings = withTiers();
+          settings.morph = morph;
+          settings.colourMapping = mapping;
+          settings.colourProxy = 2;
+          settings.colourLeastSamples = 16;
+          settings.fadeShare = 0;
+          settings.renderScale = x < 0 ? 0.6 : 1.0;
+          const Camera eye = cameraAt({x, 0.3, 0.1}, x / 3, 0, 200, 150, fov);
+          FramePlan plan = planFrame(made.scene, sceneBounds(made.scene), {{eye}, settings});
+          const auto picture = [&] {
+            const Renderer renderer(testDevice(), scene, optionsFor(settings, {200, 150}));
+            Offscreen offscreen(testDevice(), {200, 150});
+            return offscreen.render(
+                [&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+          };
+          const Image8 culled = picture();
+          for (PlannedCell& cell : plan.cells) {
+            hidden += cell.hidden + cell.rejectedHidden;
+            cell.hidden = cell.rejectedHidden = false;
+            cell.colourNeeded = true;
+          }
+          for (std::uint8_t& flag : plan.backdropsHidden) hidden += flag;
+          plan.backdropsHidden.clear();
+          CHECK(picture() == culled);
+        }
+  CHECK(hidden > 20);
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is called hidden is hidden: covers of outlines, and whole plans.
+#include "render/occlusion.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "scene/bench_scene.h"
+
+using namespace ibr;
+
+namespace {
+
+using Edges = std::vector<CoverMask::Edge>;
+
+Edges polygon(const std::vector<glm::dvec2>& corners) {
+  Edges edges;
+  for (std::size_t i = 0; i < corners.size(); ++i) edges.push_back({corners[i], corners[(i + 1) % corners.size()]});
+  return edges;
+}
+
+Edges rectangle(double left, double top, double right, double bottom) {
+  return polygon({{left, top}, {right, top}, {right, bottom}, {left, bottom}});
+}
+
+int count(const CoverMask& mask, int columns, int rows) {
+  int sum = 0;
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) sum += mask.covered(x, y);
+  return sum;
+}
+
+double orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
+  return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+}
+
+bool inside(const std::array<glm::dvec2, 3>& t, glm::dvec2 p) {
+  const double a = orientation(t[0], t[1], p), b = orientation(t[1], t[2], p), c = orientation(t[2], t[0], p);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+}  // namespace
+
+TEST_CASE("tiles that an outline holds are covered, those it touches are not") {
+  CoverMask mask(160, 96, 1);  // 10 × 6 tiles
+  CHECK(mask.open().size() == 2);
+  mask.add(rectangle(31, -50, 100, 50));
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 10; ++x) CHECK(mask.covered(x, y) == (x >= 3 && x <= 5 && y <= 2));
+  mask.add(rectangle(-20, -20, 200, 120));
+  CHECK(count(mask, 10, 6) == 60);
+  CHECK(mask.open().empty());
+}
+
+TEST_CASE("holes stay open, either way around a mesh goes, and covers add up") {
+  for (const bool reversed : {false, true}) {
+    CoverMask mask(160, 160, 1);
+    Edges outline = rectangle(-9, -9, 169, 169), hole = polygon({{50, 50}, {50, 60}, {60, 60}, {60, 50}});
+    outline.insert(outline.end(), hole.begin(), hole.end());
+    if (reversed)
+      for (CoverMask::Edge& edge : outline) std::swap(edge.from, edge.to);
+    mask.add(outline);
+    CHECK(count(mask, 10, 10) == 99);
+    CHECK_FALSE(mask.covered(3, 3));
+    const auto open = mask.open();
+    REQUIRE(open.size() == 1);
+    CHECK((open[0].left == 47 && open[0].right == 65 && open[0].top == 47 && open[0].bottom == 65));
+    mask.add(rectangle(50, 50, 70, 70));
+    CHECK(count(mask, 10, 10) == 99);  // its border touches the tile
+    mask.add(rectangle(40, 40, 70, 70));
+    CHECK(mask.covered(3, 3));
+  }
+}
+
+TEST_CASE("whatever triangles there are, no open point is called covered") {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> at(-60, 260);
+  int covered = 0;
+  for (int round = 0; round < 60; ++round) {
+    CoverMask mask(200, 150, 1);
+    std::vector<std::array<glm::dvec2, 3>> triangles;
+    Edges edges;
+    for (int t = 0; t < 1 + round % 7; ++t) {
+      const std::array<glm::dvec2, 3> triangle{
+          {{at(random), at(random)}, {at(random), at(random)}, {at(random), at(random)}}};
+      triangles.push_back(triangle);
+      for (std::size_t e = 0; e < 3; ++e) edges.push_back({triangle[e], triangle[(e + 1) % 3]});
+    }
+    mask.add(edges);
+    for (int y = 0; y < 150; y += 3)
+      for (int x = 0; x < 200; x += 3) {
+        if (!mask.covered(x / 16, y / 16)) continue;
+        ++covered;
+        bool any = false;
+        for (const auto& triangle : triangles) any |= inside(triangle, {x + 0.5, y + 0.5});
+        CHECK(any);
+      }
+  }
+  CHECK(covered > 1000);
+}
+
+TEST_CASE("of stacked cells the first is drawn, of stitched ones none that shows is hidden") {
+  const auto plan = [](const char* name, auto change) {
+    Scene scene = makeBenchScene(*findBenchShape(name), 0.1);
+    change(scene);
+    FrameInput input{benchViews(*findBenchShape(name), 2, 640, 360), {}};
+    input.settings.maxCells = 64;
+    return planFrame(scene, sceneBounds(scene), input);
+  };
+  const auto hidden = [](const FramePlan& of) {
+    return std::ranges::count_if(of.cells, [](const PlannedCell& cell) { return cell.hidden; });
+  };
+  const auto asItIs = [](Scene&) {};
+  CHECK(hidden(plan("stacked-12", asItIs)) == 11);
+  const FramePlan stitched = plan("stitched-5", asItIs);
+  CHECK(hidden(stitched) == 0);
+  CHECK(hidden(plan("stitched-30", asItIs)) > 0);
+  // A hole in every cell's middle, a triangle wide, shows the next.
+  const FramePlan holes = plan("stacked-5", [](Scene& scene) {
+    for (Cell& cell : scene.cells) {
+      const std::size_t middle = cell.mesh.triangles.size() / 2;  // of the row in the middle, the quad in the middle
+      cell.mesh.tier[middle] = kTierRejected;
+      std::swap(cell.mesh.tier[middle], cell.mesh.tier.back());
+      std::swap(cell.mesh.triangles[middle], cell.mesh.triangles.back());
+    }
+  });
+  CHECK_FALSE(holes.cells[1].hidden);
+  // Panoramas stand around the camera: no outline in front.
+  CHECK(hidden(plan("panorama-3", asItIs)) == 0);
+}
+
+TEST_CASE("what dissolves hides nothing, and the paper's order hides nothing") {
+  const BenchShape& shape = *findBenchShape("stacked-5");
+  const Scene scene = makeBenchScene(shape, 0.1);
+  FrameInput input{benchViews(shape, 1, 640, 360), {}};
+  const auto anyHidden = [&] {
+    const FramePlan plan = planFrame(scene, sceneBounds(scene), input);
+    return std::ranges::any_of(plan.cells, [](const PlannedCell& cell) { return cell.hidden; });
+  };
+  CHECK(anyHidden());
+  input.settings.order = DrawOrder::paper;
+  CHECK_FALSE(anyHidden());
+  input.settings.order = DrawOrder::ours;
+  input.settings.colourMapping = ColourMapping::paper;
+  CHECK_FALSE(anyHidden());
+  input.settings.colourMapping = ColourMapping::off;
+  input.views[0].pose.position += glm::dvec3(0.75, 0, 0);  // outside, before the limit
+  input.settings.fadeShare = 1;
+  const FramePlan plan = planFrame(scene, sceneBounds(scene), input);
+  REQUIRE(!plan.cells.empty());
+  CHECK(plan.cells[0].opacity < 1);
+  CHECK_FALSE(anyHidden());
+}
