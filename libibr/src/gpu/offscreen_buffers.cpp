@@ -20,7 +20,7 @@ struct Plane {
                .extent = extent,
                .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
               name),
-        host(device, VkDeviceSize(extent.width) * extent.height * texelBytes(format), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+        host(device, VkDeviceSize(extent.width) * extent.height * blockBytes(format), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
              MemoryKind::readback, name) {}
 
   BufferTarget target() const { return {image.get(), image.view(), use::kUndefined, use::kTransferSource}; }
@@ -32,7 +32,7 @@ struct Plane {
   }
   ImageF values() {
     const VkExtent2D extent = image.info().extent;
-    ImageF values(int(extent.width), int(extent.height), int(texelBytes(image.info().format) / sizeof(float)));
+    ImageF values(int(extent.width), int(extent.height), int(blockBytes(image.info().format) / sizeof(float)));
     std::memcpy(values.values.data(), host.mapped().data(), host.mapped().size());
     return values;
   }

@@ -43,7 +43,7 @@ BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells
              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "uncertainties");
   if (!bytes.empty()) uploadBuffer(device, uncertainties_, 0, bytes);
 
-  const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().photographLayout.get()};
+  const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().sets.layout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {

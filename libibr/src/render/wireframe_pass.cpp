@@ -34,7 +34,7 @@ WireframePass::WireframePass(const Device& device, const CellPass& cells, VkRend
   writeStorageBuffer(device, set_, 0, scene.vertices.get());
   writeStorageBuffer(device, set_, 1, scene.indices.get());
 
-  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), scene.photographLayout.get(), setLayout_.get()};
+  const std::array<VkDescriptorSetLayout, 3> sets{cells.frameLayout(), scene.sets.layout(), setLayout_.get()};
   const VkPushConstantRange constants{kStages, 0, sizeof(shader::WireframeConstants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
