@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // render and eval on a tiny scene, with the validation layer watching.
 #include <catch2/catch.hpp>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -250,7 +251,9 @@ TEST_CASE("a budget for the device's memory is kept, and what it costs is said")
                             "--vram-budget", std::to_string(budget)});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(outcome.out).at("mean").at("psnr").get<double>();
+    const auto report = nlohmann::json::parse(outcome.out);
+    const auto psnr = report.at("mean").at("psnr");
+    return psnr.is_null() ? std::numeric_limits<double>::infinity() : psnr.get<double>();  // null: equal
   };
   test::Outcome enough, little;
   const double whole = psnrWithin(meshes + textures, enough), half = psnrWithin(meshes + textures * 3 / 4, little);
@@ -259,7 +262,7 @@ TEST_CASE("a budget for the device's memory is kept, and what it costs is said")
   CHECK_THAT(little.err, Contains("warning") && Contains("1/2 of their size"));
   CAPTURE(half, whole);
   CHECK(half < whole);
-  CHECK(half > whole - 6);
+  CHECK(half > 22);
   const auto none = test::runProgram(
       {"render", test::tinyScene(), "--path", "auto:2", "-o", test::tinyFolder() / "no", "--vram-budget", "1K"});
   CHECK(none.code == 4);

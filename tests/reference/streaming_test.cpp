@@ -212,6 +212,20 @@ TEST_CASE("ten thousand photographs that need 1.7 GB walk within 128 MiB") {
   walk(100, TextureFormat::bc1, 128 * kMiB, 60, 20);
 }
 
+TEST_CASE("what leaves is streamed too") {
+  const Scene scene = gridScene(12, 256, 256);
+  Walker walker(scene, {.source = Colours{}, .budgetBytes = 12 * kMiB}, {128, 128});
+  REQUIRE(walker.gpuScene.streams());
+  FramePlan plan = walker.planAt({11, 0, 11});
+  do walker.frame(plan);
+  while (walker.streamed.waiting > 0);
+  plan.leaving.push_back({walker.planAt({0, 0, 0}).cells[0], 0});  // far off: none of its photographs is there
+  Image8 picture;
+  do picture = walker.frame(plan);
+  while (walker.streamed.waiting > 0);
+  CHECK(sharesOf(picture, 0).own > 0.9);
+}
+
 // Run it by its name: 1 GiB of memory, 14 GB of textures.
 TEST_CASE("ten thousand photographs that need 14 GB walk within 1 GiB", "[.large]") {
   walk(100, TextureFormat::rgba8, 1024 * kMiB, 300, 50);

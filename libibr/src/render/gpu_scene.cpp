@@ -121,6 +121,15 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
   mesh.photographs = sets.get(slots, frame, completedFrame);
 }
 
+// Calls `visit` with every mesh of a plan, of the order now and of the one before; with some more than once.
+template <class Meshes, class Visit>
+void forDrawn(const FramePlan& plan, Meshes& cells, Meshes& backdrops, Visit&& visit) {
+  for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
+  for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
+  for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
+  for (const std::uint32_t backdrop : plan.backdrops) visit(backdrops[backdrop]);
+}
+
 WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {
   WantedNodes wanted;
   std::vector<bool> seen(scene.cellsOfNode.size(), false);
@@ -131,9 +140,7 @@ WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std
         wanted.nodes.push_back(member);
       }
   };
-  for (const std::vector<PlannedCell>* cells : {&plan.cells, &plan.former})
-    for (const PlannedCell& cell : *cells) addMembers(scene.cells[cell.cell]);
-  for (const std::uint32_t backdrop : plan.backdrops) addMembers(scene.backdrops[backdrop]);
+  forDrawn(plan, scene.cells, scene.backdrops, addMembers);
   wanted.needed = wanted.nodes.size();
 
   std::vector<bool> reached(scene.cells.size(), false);
@@ -165,9 +172,8 @@ GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePl
   const WantedNodes wanted = wantedNodes(state, plan, state.photographs->mostResident());
   const Streamed streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame, completedFrame,
                                                       [&](VkImageView view) { state.sets.forget(view); });
-  for (const std::vector<PlannedCell>* cells : {&plan.cells, &plan.former})
-    for (const PlannedCell& cell : *cells) state.bind(state.cells[cell.cell], frame, completedFrame);
-  for (const std::uint32_t backdrop : plan.backdrops) state.bind(state.backdrops[backdrop], frame, completedFrame);
+  forDrawn(plan, state.cells, state.backdrops,
+           [&](GpuScene::State::Mesh& mesh) { state.bind(mesh, frame, completedFrame); });
   return streamed;
 }
 
