@@ -60,6 +60,9 @@ TEST_CASE("bench: what is measured must be one of two things") {
        std::vector<std::vector<std::string>>{{"bench"},
                                              {"bench", "--generated", "stitched-6"},
                                              {"bench", "scene", "--generated", "all"},
+                                             {"bench", "--generated", "all", "--formats"},
+                                             {"bench", "--generated", "all", "--walk", "path.json"},
+                                             {"bench", "scene", "--stereo", "--formats"},
                                              {"bench", "--generated", "all", "--generated-detail", "0"}}) {
     const auto outcome = runProgram(line);
     CHECK(outcome.code == 1);

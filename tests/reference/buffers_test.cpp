@@ -177,6 +177,28 @@ TEST_CASE("buffers leave the picture alone, may share its command buffer, and kn
   }
 }
 
+TEST_CASE("buffers have their targets' size, whatever size the cells are drawn in") {
+  const Stage stage(testDevice(), makeScene(place(2)));
+  RenderSettings settings;
+  settings.renderScale = 0.5;
+  const FramePlan plan = stage.plan(cameraAt({0.4, 0, 0}), settings);
+  FramePlan whole = plan;
+  whole.settings.renderScale = 1;
+  RendererOptions options = optionsFor(settings, {320, 240});
+  options.buffers = &stage.scene();
+  const Renderer renderer(testDevice(), stage.gpuScene(), options);
+  Offscreen offscreen(testDevice(), {320, 240});
+  OffscreenBuffers floats(testDevice(), {320, 240});
+  const FrameBuffers scaled = floats.render([&](VkCommandBuffer commands) {
+    renderer.record(commands, plan, offscreen.target());
+    renderer.recordBuffers(commands, plan, 0, floats.targets());
+  });
+  CHECK(offscreen.render([](VkCommandBuffer) {}) == stage.render(plan));
+  CHECK(scaled.surface ==
+        floats.render([&](VkCommandBuffer commands) { renderer.recordBuffers(commands, whole, 0, floats.targets()); })
+            .surface);
+}
+
 TEST_CASE("who does not ask pays nothing; who asks is told") {
   const Stage stage(testDevice(), richPlace());
   const FramePlan plan = stage.plan(cameraAt({0.6, 0.4, 0.2}, 0.1), withTiers());

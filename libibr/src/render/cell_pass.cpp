@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <span>
 #include <vector>
 
@@ -100,6 +101,7 @@ void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) cons
     for (std::size_t view = 0; view < plan.views.size(); ++view) {
       if (order == Order::former && plan.formerWeight <= 0) continue;
       const Steps steps = stepsOf(*scene_, plan, order, view);
+      assert(steps.count <= steps_);
       constexpr std::uint32_t kAtOnce = 65536 / sizeof(shader::CellParameters);
       std::array<shader::CellParameters, kAtOnce> chunk;
       for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {

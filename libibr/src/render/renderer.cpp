@@ -29,7 +29,7 @@ struct Renderer::State {
       : scene(&gpuScene.state()),
         options(o),
         requirements(withOptions(scene->requirements, o)),
-        canvas(device, scaled(o.largest, o.largestScale),
+        canvas(device, scaled(o.largest, canvasScale(o)),
                ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
     const Requirements& needed = requirements;
     if (needed.switchMixing) former.emplace(device, canvas.largest());
@@ -82,6 +82,10 @@ struct Renderer::State {
   VkExtent2D drawn(const FramePlan& plan, VkExtent2D target) const {
     return scaled(target, options.largestScale > 0 ? std::min(plan.settings.renderScale, options.largestScale) : 0);
   }
+  // Buffers are drawn at their targets' size, with the canvas's depth.
+  static double canvasScale(const RendererOptions& o) {
+    return o.buffers && o.largestScale > 0 ? std::max(1.0, o.largestScale) : o.largestScale;
+  }
   static VkExtent2D scaled(VkExtent2D extent, double scale) {  // 0: as it is
     if (scale == 0) return extent;
     const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
@@ -122,14 +126,14 @@ void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std:
   const bool atOnce = drawsAtOnce(plan);
   if (!atOnce || view == 0) {
     const GpuScope scope(commands, timer, "canvas");
-    if (isSequence(plan) && view == 0)
-      colours->drawSequence(commands, plan, extent);
-    else if (!atOnce)
-      drawCells(commands, plan, Order::current, view, extent);
-    else {
+    if (atOnce) {
       eyes->begin(commands, extent, {0, 0, 0, 0});
       cells->drawEyes(commands, plan, extent);
       eyes->end(commands);
+    } else if (isSequence(plan) && view == 0) {
+      colours->drawSequence(commands, plan, extent);
+    } else {
+      drawCells(commands, plan, Order::current, view, extent);
     }
   }
   if (!mixes(plan)) return;
