@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "batch/colour_scores.h"
 #include "batch/command.h"
 #include "batch/options.h"
 #include "batch/pictures.h"
@@ -30,14 +31,14 @@ constexpr int kDifferenceGain = 4;
 struct Options {
   std::string scene, truth, output;
   std::vector<std::string> views;
-  bool leaveOneOut = false;
+  bool leaveOneOut = false, seams = false;
   RenderSettings settings;
   GpuSceneOptions gpuScene;
 };
 
 struct Scores {
-  double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered,
-      milliseconds;
+  double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered, seam,
+      deltaE, milliseconds;
 };
 
 struct Figure {
@@ -55,6 +56,8 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", 2, &Scores::psnr},
                                {"coverageTier2", nullptr, 3, &Scores::coverageTier2},
                                {"psnrCovered", "PSNR covered", 2, &Scores::psnrCovered},
                                {"ssimCovered", "SSIM covered", 4, &Scores::ssimCovered},
+                               {"seam", nullptr, 3, &Scores::seam},
+                               {"deltaE", nullptr, 3, &Scores::deltaE},
                                {"milliseconds", "ms", 1, &Scores::milliseconds}};
 
 // `prediction` has alpha of AlphaContent::tier; its holes are black.
@@ -78,6 +81,8 @@ Scores score(const SceneRenderer::Picture& prediction, const Image8& truth) {
           .coverageTier2 = tiers[kTierBackdrop],
           .psnrCovered = psnr(image, truth, mask),
           .ssimCovered = ssim(image, truth, mask),
+          .seam = prediction.buffers ? seamStep(image, prediction.buffers->surface, truth) : std::nan(""),
+          .deltaE = prediction.buffers ? gainFreeDeltaE(image, truth, mask) : std::nan(""),
           .milliseconds = prediction.milliseconds};
 }
 
@@ -120,7 +125,9 @@ ExitCode evaluate(const Options& options, const Context& context) {
     checkNamesDiffer(views);
     for (const View& view : views) pictureFile(options.output, view.name);
   }
-  SceneRenderer renderer(scene, views, options.gpuScene, optionsFor(options.settings, {}), context);
+  RendererOptions prepared = optionsFor(options.settings, {});
+  if (options.seams) prepared.buffers = &scene;
+  SceneRenderer renderer(scene, views, options.gpuScene, prepared, context);
   RenderSettings settings = options.settings;
   settings.alpha = AlphaContent::tier;
   settings.background = glm::vec3(0.0f);
@@ -158,6 +165,8 @@ ExitCode evaluate(const Options& options, const Context& context) {
   const Scores means = mean(all);
   table.row(scoresRow("mean", means));
   context.print("{}", table.text());
+  if (options.seams)
+    context.print("seams {} levels, colours ΔE {}\n", numberText(means.seam, 3), numberText(means.deltaE, 3));
   context.report(Json{{"views", viewsJson},
                       {"mean", scoresJson(means)},
                       {"device", renderer.deviceName()},
@@ -195,6 +204,9 @@ const Command kEvalCommand{
       // Accepted so that the answer can be a sentence; hidden until it works.
       auto* leaveOneOut = app.add_flag("--leave-one-out", options->leaveOneOut)->group("");
       truth->excludes(leaveOneOut);
+      app.add_flag("--seams", options->seams,
+                   "Also the step in colour from cell to cell beyond the truth's, in levels, and the colour difference "
+                   "(CIE 1976) that the best gain of each channel leaves");
       declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);
       app.callback([options] {

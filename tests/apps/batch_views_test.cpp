@@ -186,6 +186,19 @@ TEST_CASE("eval of a view between the photographs finds it near the truth") {
   CHECK(view.at("ssimCovered") > 0.8);
 }
 
+TEST_CASE("eval --seams tells colours from geometry") {
+  if (!test::deviceIsThere()) return;
+  const auto outcome =
+      runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--seams", "--json", "-"});
+  REQUIRE(outcome.code == 0);
+  const auto mean = nlohmann::json::parse(outcome.out).at("mean");
+  CHECK(mean.at("deltaE") > 0);
+  CHECK(mean.at("deltaE") < 10);  // one exposure
+  CHECK(mean.contains("seam"));
+  const auto without = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--json", "-"});
+  CHECK(nlohmann::json::parse(without.out).at("mean").at("deltaE").is_null());
+}
+
 TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;

@@ -20,6 +20,10 @@ double psnr(const Image8& a, const Image8& b, const Image8& mask);
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
+/// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count in a mask (1 channel, nonzero);
+/// NaN where none does.
+double deltaE(const Image8& a, const Image8& b, const Image8& mask);
+
 /// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
 struct Difference {
   int largest = 0;          // levels

@@ -122,6 +122,24 @@ double ssimOf(const Image8& a, const Image8& b, const Image8* mask) {
   return count ? sum / double(count) : Limits::quiet_NaN();
 }
 
+struct Lab {
+  double l, a, b;
+};
+
+// IEC 61966-2-1 to XYZ; CIE 15 to Lab.
+Lab labOf(std::span<const std::uint8_t> pixel) {
+  double linear[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double v = pixel[c] / 255.0;
+    linear[c] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  }
+  const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
+  const double x = f((0.4124564 * linear[0] + 0.3575761 * linear[1] + 0.1804375 * linear[2]) / 0.95047);
+  const double y = f(0.2126729 * linear[0] + 0.7151522 * linear[1] + 0.0721750 * linear[2]);
+  const double z = f((0.0193339 * linear[0] + 0.1191920 * linear[1] + 0.9503041 * linear[2]) / 1.08883);
+  return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
+}
+
 }  // namespace
 
 double psnr(const Image8& a, const Image8& b) {
@@ -135,6 +153,20 @@ double ssim(const Image8& a, const Image8& b) {
 }
 double ssim(const Image8& a, const Image8& b, const Image8& mask) {
   return ssimOf(a, b, &mask);
+}
+
+double deltaE(const Image8& a, const Image8& b, const Image8& mask) {
+  checkPictures(a, b, &mask);
+  double sum = 0;
+  std::size_t count = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      if (!mask.pixel(x, y)[0]) continue;
+      const Lab p = labOf(a.pixel(x, y)), q = labOf(b.pixel(x, y));
+      sum += std::hypot(p.l - q.l, p.a - q.a, p.b - q.b);
+      ++count;
+    }
+  return count > 0 ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
 }
 
 Difference difference(const Image8& a, const Image8& b, int threshold) {

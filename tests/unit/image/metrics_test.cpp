@@ -125,6 +125,19 @@ TEST_CASE("SSIM takes the windows that lie wholly inside picture and mask") {
   CHECK(std::isnan(ssim(noise(10, 40, 3, 1), noise(10, 40, 3, 2))));  // no room for a window
 }
 
+TEST_CASE("colour differences of known colours") {
+  const auto one = [](int r, int g, int b) {
+    Image8 image(1, 1, 3);
+    image.values = {std::uint8_t(r), std::uint8_t(g), std::uint8_t(b)};
+    return image;
+  };
+  const Image8 all(1, 1, 1, 1), none(1, 1, 1, 0);
+  CHECK(deltaE(one(0, 0, 0), one(255, 255, 255), all) == Approx(100).epsilon(1e-4));
+  CHECK(deltaE(one(255, 0, 0), one(0, 255, 0), all) == Approx(170.57).epsilon(1e-3));
+  CHECK(deltaE(one(3, 90, 200), one(3, 90, 200), all) == 0);
+  CHECK(std::isnan(deltaE(one(0, 0, 0), one(1, 1, 1), none)));
+}
+
 TEST_CASE("difference counts pixels by their largest channel") {
   Image8 a(10, 10, 3, 50), b = a;
   b.pixel(0, 0)[0] = 60;

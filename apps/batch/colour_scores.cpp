@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/colour_scores.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ibr/metrics.h"
+
+namespace ibr::app {
+namespace {
+
+double decoded(std::uint8_t level) {  // IEC 61966-2-1
+  const double v = level / 255.0;
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+std::uint8_t encoded(double linear) {
+  const double v = std::clamp(linear, 0.0, 1.0);
+  return std::uint8_t(std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+}
+
+bool isClipped(std::uint8_t level) {
+  return level < 4 || level > 250;
+}
+
+double step(const Image8& image, int x, int y, int dx, int dy) {
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) sum += std::abs(image.pixel(x, y)[c] - image.pixel(x + dx, y + dy)[c]);
+  return sum / 3;
+}
+
+}  // namespace
+
+double seamStep(const Image8& picture, const ImageF& surface, const Image8& truth) {
+  double sum = 0;
+  std::size_t count = 0;
+  const auto add = [&](int x, int y, int dx, int dy) {
+    const auto here = surface.pixel(x, y), there = surface.pixel(x + dx, y + dy);  // depth, tier, rank, …
+    if (here[1] != 0 || there[1] != 0 || here[2] == there[2]) return;
+    sum += step(picture, x, y, dx, dy) - step(truth, x, y, dx, dy);
+    ++count;
+  };
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      if (x + 1 < picture.width) add(x, y, 1, 0);
+      if (y + 1 < picture.height) add(x, y, 0, 1);
+    }
+  return count > 0 ? sum / double(count) : NAN;
+}
+
+double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask) {
+  std::array<double, 3> product{}, square{};
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (std::size_t c = 0; mask.pixel(x, y)[0] && c < 3; ++c) {
+        const std::uint8_t p = picture.pixel(x, y)[c], t = truth.pixel(x, y)[c];
+        if (isClipped(p) || isClipped(t)) continue;
+        product[c] += decoded(p) * decoded(t);
+        square[c] += decoded(p) * decoded(p);
+      }
+  Image8 fitted(picture.width, picture.height, 3);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double gain = square[c] > 0 ? product[c] / square[c] : 1.0;
+    std::array<std::uint8_t, 256> table;
+    for (int level = 0; level < 256; ++level) table[std::size_t(level)] = encoded(gain * decoded(std::uint8_t(level)));
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) fitted.pixel(x, y)[c] = table[picture.pixel(x, y)[c]];
+  }
+  return deltaE(fitted, truth, mask);
+}
+
+}  // namespace ibr::app

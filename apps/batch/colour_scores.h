@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well the colours of different cells fit together: what colour mapping is for ([T] §2.5.3).
+#pragma once
+
+#include "ibr/image.h"
+
+namespace ibr::app {
+
+/// Mean step between neighbouring pixels of tier 0 that different cells drew, less the truth's step there: levels of
+/// 255, mean over channels; NaN where no two cells meet. `surface`: FrameBuffers::surface of the picture.
+double seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
+
+/// Mean ΔE*ab over the mask after each channel of the picture was multiplied, in linear light, by the gain that fits
+/// the truth best (least squares; what is clipped does not count). The exposure of a picture is a matter of taste; how
+/// it changes within it is not.
+double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask);
+
+}  // namespace ibr::app
