@@ -188,9 +188,9 @@ const Command kRenderCommand{
       number("--floor", options->eyeHeight, 1e-9, 1e9,
              "A grid so far below the photographs, in world units, where none of them shows anything")
           ->type_name("METRES");
+      declareSettings(app, options->settings);  // --preset among them, which comes before all other settings
       app.add_flag("--wireframe", options->settings.wireframe,
                    "Edges of the triangles over the picture, the better a cell's rank the lighter");
-      declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);
       app.callback([options] {
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");

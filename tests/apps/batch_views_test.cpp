@@ -186,6 +186,20 @@ TEST_CASE("eval of a view between the photographs finds it near the truth") {
   CHECK(view.at("ssimCovered") > 0.8);
 }
 
+TEST_CASE("what is asked for wins over a preset, wherever it stands") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  for (const bool before : {false, true}) {
+    std::vector<std::string> line{"render", test::tinyScene(), "--path", "auto:2", "-o", folder / "out", "--json", "-"};
+    line.push_back(before ? "--wireframe" : "--preset");
+    line.push_back(before ? "--preset" : "fast");
+    line.push_back(before ? "fast" : "--wireframe");
+    const auto outcome = runValidated(line);
+    REQUIRE(outcome.code == 0);
+    CHECK(nlohmann::json::parse(outcome.out).at("settings").at("wireframe") == true);
+  }
+}
+
 TEST_CASE("eval --seams tells colours from geometry") {
   if (!test::deviceIsThere()) return;
   const auto outcome =

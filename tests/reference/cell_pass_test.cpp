@@ -101,6 +101,17 @@ TEST_CASE("cells that leave are drawn where they were, and a member that is repl
   CHECK(stage.render(plan) != stage.render(without));
 }
 
+TEST_CASE("a renderer without room for the order before a switch cuts") {
+  const Stage stage(testDevice(), makeScene(place(3)));  // of one cell, which has nothing to switch to
+  const SceneBounds bounds = sceneBounds(stage.scene());
+  const PlanState state = planFrame(stage.scene(), bounds, {{cameraAt({0.3, 0.2, 0.0})}, withTiers(), 0.05}).next;
+  const FramePlan away = planFrame(stage.scene(), bounds, {{cameraAt({0.3, 0.2, 60.0})}, withTiers(), 0.05}, state);
+  REQUIRE(away.cells.empty());
+  REQUIRE(away.formerWeight == 1);
+  const Image8 picture = stage.render(away);
+  CHECK(picture.pixel(160, 60)[3] == 0);
+}
+
 TEST_CASE("both views of a stereo plan show what the twin computes, and what each would show alone") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera left = cameraAt({0.37, 0.25, 0.1}), right = cameraAt({0.43, 0.25, 0.1});

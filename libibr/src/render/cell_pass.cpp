@@ -23,9 +23,10 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
     : scene_(&scene.state()),
       views_(options.views),
       steps_(requirements.steps),
+      mixes_(requirements.switchMixing),
       mayMap_(colourTables != VK_NULL_HANDLE) {
   constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  const std::uint32_t parameters = firstParameter(requirements.switchMixing ? Order::former : Order::current, views_);
+  const std::uint32_t parameters = firstParameter(mixes_ ? Order::former : Order::current, views_);
   parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
                        "cell parameters");
   if (requirements.noise) {
@@ -99,7 +100,7 @@ void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) cons
   bufferBarrier(commandBuffer, use::kShaderRead, use::kTransferWrite);
   for (const Order order : {Order::current, Order::former})
     for (std::size_t view = 0; view < plan.views.size(); ++view) {
-      if (order == Order::former && plan.formerWeight <= 0) continue;
+      if (order == Order::former && (!mixes_ || plan.formerWeight <= 0)) continue;
       const Steps steps = stepsOf(*scene_, plan, order, view);
       assert(steps.count <= steps_);
       constexpr std::uint32_t kAtOnce = 65536 / sizeof(shader::CellParameters);

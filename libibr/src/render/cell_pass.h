@@ -74,6 +74,7 @@ class CellPass {
 
   const GpuScene::State* scene_;
   std::uint32_t views_, steps_;  // the most of a plan, and of a picture
+  bool mixes_;                   // there is room for the order before a switch
   bool mayMap_;
   DescriptorSetLayoutHandle frameLayout_;
   DescriptorPoolHandle pool_;

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::int64_t kNobody = -1;
 
-// A cell that was drawn in the frame before keeps its slot; the others' slots are free.
+// A cell that was drawn in the frame before keeps its slot; the others' slots are free. Tables are made for the plan's
+// cells alone: what leaves, or was in the order before a switch, has the one it had, or none.
 void assignSlots(const PlanState& state, FramePlan& plan) {
   std::vector<std::int64_t>& slots = plan.next.colourSlots;
   slots.assign(kColourSlotCount, kNobody);
@@ -23,9 +24,14 @@ void assignSlots(const PlanState& state, FramePlan& plan) {
   for (const PlannedCell* cell : drawn)
     if (const std::size_t slot = slotOf(state.colourSlots, *cell); slot < state.colourSlots.size())
       slots[slot] = cell->cell;
-  for (PlannedCell* cell : drawn) {
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    PlannedCell* const cell = drawn[i];
     std::size_t slot = slotOf(slots, *cell);
     cell->colourFresh = slotOf(state.colourSlots, *cell) == state.colourSlots.size();
+    if (slot == slots.size() && i >= plan.cells.size()) {
+      cell->colourSlot = kColourSlotCount;
+      continue;
+    }
     if (slot == slots.size()) slot = std::size_t(std::find(slots.begin(), slots.end(), kNobody) - slots.begin());
     slots[slot] = cell->cell;
     cell->colourSlot = std::uint32_t(slot);
@@ -43,7 +49,7 @@ std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::u
 // A table that nothing shows is not measured: what was remembered stays, and what never was is new when it shows.
 void markNeeded(FramePlan& plan) {
   for (PlannedCell& cell : plan.cells) {
-    cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || !plan.former.empty() || !plan.leaving.empty();
+    cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || plan.formerWeight > 0 || !plan.leaving.empty();
     for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
       if (plan.colour.backdropSlots[b] == cell.colourSlot && (plan.backdropsHidden.empty() || !plan.backdropsHidden[b]))
         cell.colourNeeded = true;

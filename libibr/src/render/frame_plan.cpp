@@ -98,10 +98,9 @@ class Planner {
   }
 
  private:
-  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned) const {
+  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned, Morph morph) const {
     for (std::size_t v = 0; v < plan_.views.size(); ++v)
-      if (mayBeVisible(scene_, cell, bounds, planes_[v], planned.view[v].position, settings_.morph,
-                       plan_.views[v].pose.position))
+      if (mayBeVisible(scene_, cell, bounds, planes_[v], planned.view[v].position, morph, plan_.views[v].pose.position))
         return true;
     return false;
   }
@@ -201,7 +200,7 @@ class Planner {
         continue;
       }
       PlannedCell cell = planned(c, distance);
-      if (!visible(scene_.cells[c], bounds_.cells[c], cell)) {
+      if (!visible(scene_.cells[c], bounds_.cells[c], cell, settings_.morph)) {
         ++plan_.culledByFrustum;
         continue;
       }
@@ -250,7 +249,7 @@ class Planner {
     const CellBounds& bounds = bounds_.cells[shown.cell];
     PlannedCell again = planned(shown.cell, cellDistance(scene_, cell, bounds.size, middle_));
     again.opacity *= shown.opacity;
-    if (!visible(cell, bounds, again)) return std::nullopt;
+    if (!visible(cell, bounds, again, settings_.morph)) return std::nullopt;
     return again;
   }
 
@@ -258,7 +257,10 @@ class Planner {
   void fadeChanges() {
     std::vector<std::uint32_t> order;
     for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
-    const bool cut = switched() || !(settings_.switchSeconds > 0);
+    // The paper's sequence of colours has no copies of a cell.
+    const bool sequence =
+        settings_.colourMapping == ColourMapping::paper || settings_.colourMapping == ColourMapping::paperRedraw;
+    const bool cut = switched() || sequence || !(settings_.switchSeconds > 0);
     const WantedOrder wanted{order, [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hidden, cell); },
                              [&](std::uint32_t cell) {
                                return plannedAgain({cell, 1.0, false}).has_value();
@@ -282,7 +284,7 @@ class Planner {
       const Pose& pose = scene_.nodes[backdrop.members[0]].camera.pose;
       PlannedCell single;
       for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-      if (!visible(backdrop, bounds_.backdrops[b], single)) continue;
+      if (!visible(backdrop, bounds_.backdrops[b], single, Morph::ours)) continue;  // as it is drawn
       const glm::dvec3 axis = viewAxis(pose), forward = viewAxis(middle_);
       candidates.push_back({b, glm::distance(pose.position, middle_.position),
                             std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward))});

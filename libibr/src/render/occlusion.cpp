@@ -95,15 +95,14 @@ class ViewCover {
   ViewCover(const Scene& scene, const FramePlan& plan, std::size_t view)
       : scene_(scene),
         camera_(plan.views[view]),
-        morph_(plan.settings.morph),
         mask_(camera_.intrinsics.width, camera_.intrinsics.height,
               1.5 * std::max(1.0, 1.0 / plan.settings.renderScale)) {
     findOpen();
   }
 
-  bool mayShow(const Cell& cell, const CellBounds& bounds, const Weights& weights) const {
+  bool mayShow(const Cell& cell, const CellBounds& bounds, const Weights& weights, Morph morph) const {
     return std::ranges::any_of(open_, [&](const std::array<glm::dvec3, 4>& planes) {
-      return mayBeVisible(scene_, cell, bounds, planes, weights, morph_, camera_.pose.position);
+      return mayBeVisible(scene_, cell, bounds, planes, weights, morph, camera_.pose.position);
     });
   }
 
@@ -157,7 +156,6 @@ class ViewCover {
 
   const Scene& scene_;
   Camera camera_;
-  Morph morph_;
   CoverMask mask_;
   std::vector<std::array<glm::dvec3, 4>> open_;  // planes of each open rectangle
 };
@@ -167,15 +165,15 @@ class ViewCover {
 void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) {
   std::vector<ViewCover> views;
   for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v);
-  const auto hidden = [&](const Cell& cell, const CellBounds& cellBounds, const PlannedCell& planned) {
+  const auto hidden = [&](const Cell& cell, const CellBounds& cellBounds, const PlannedCell& planned, Morph morph) {
     for (std::size_t v = 0; v < views.size(); ++v)
-      if (views[v].mayShow(cell, cellBounds, planned.view[v].position)) return false;
+      if (views[v].mayShow(cell, cellBounds, planned.view[v].position, morph)) return false;
     return true;
   };
   for (PlannedCell& planned : plan.cells) {
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
-    planned.hidden = hidden(cell, cellBounds, planned);
+    planned.hidden = hidden(cell, cellBounds, planned, plan.settings.morph);
     if (planned.hidden || planned.opacity < 1) continue;
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
@@ -184,12 +182,12 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
   for (PlannedCell& planned : plan.cells) {
     PlannedCell alone;
     for (PlannedCell::View& view : alone.view) view.position = planned.single;
-    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone);
+    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
   }
   PlannedCell single;
   for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
   for (const std::uint32_t b : plan.backdrops) {
-    plan.backdropsHidden.push_back(hidden(scene.backdrops[b], bounds.backdrops[b], single));
+    plan.backdropsHidden.push_back(hidden(scene.backdrops[b], bounds.backdrops[b], single, Morph::ours));
     for (std::size_t v = 0; !plan.backdropsHidden.back() && v < views.size(); ++v)
       views[v].draw(scene.backdrops[b], bounds.backdrops[b], single.view[v].position, Morph::ours);
   }

@@ -43,8 +43,8 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.depthOrder = any && has(options.orders, DrawOrder::ours);
   r.painters = any && (has(options.orders, DrawOrder::paper) || r.colourSequence);
   r.dissolve = r.cells > 0 && options.dissolve;
-  r.noise =
-      r.dissolve || (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
+  r.noise = r.dissolve || r.colourSequence ||  // whose counting chooses pixels by it
+            (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
   r.switchMixing = several && options.switchMixing;
   r.fill = any && options.fill;
   r.depth = options.depth;

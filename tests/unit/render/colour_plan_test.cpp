@@ -76,6 +76,18 @@ TEST_CASE("cells of the former order keep the tables they had, in the same slots
   CHECK(next.formerWeight == 0);
 }
 
+TEST_CASE("what no table was made for shows its own colours") {
+  FramePlan plan = planOf({1, 2});
+  plan.former = planOf({1, 5}).cells;
+  plan.formerWeight = 1;
+  plan.leaving = {{planOf({6}).cells[0], 1}, {plan.cells[1], 2}};
+  plan = colours(plan, 0.02, {});  // colours were not mapped in the frame before
+  CHECK(plan.former[1].colourSlot == kColourSlotCount);
+  CHECK(plan.leaving[0].planned.colourSlot == kColourSlotCount);
+  CHECK(plan.former[0].colourSlot == plan.cells[0].colourSlot);
+  CHECK(plan.leaving[1].planned.colourSlot == plan.cells[1].colourSlot);
+}
+
 TEST_CASE("after a switch the main table is the identity in a second, in equal steps; another switch begins anew") {
   PlanState state = colours(planOf({1, 2}), 0, {}).next;
   state.mainCell = 1;

@@ -358,3 +358,24 @@ TEST_CASE("backdrops: a photograph is not left out where nothing nearer shows wh
   settings.maxBackdrops = 64;
   CHECK(planOf(scene, cameraAt({0, 0, 0}), settings).backdrops.size() == 21);
 }
+
+TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequence of colours") {
+  const Scene scene = stackedGrid();
+  const SceneBounds bounds = sceneBounds(scene);
+  for (const ColourMapping mapping : {ColourMapping::off, ColourMapping::ours, ColourMapping::paper}) {
+    RenderSettings settings;
+    settings.colourMapping = mapping;
+    settings.fadeShare = 0;
+    settings.extrapolationLimit = 100;
+    settings.maxCells = 3;
+    PlanState state;
+    bool faded = false;
+    for (int i = 0; i < 200; ++i) {
+      const FramePlan plan = planFrame(scene, bounds, {{cameraAt({0.2, 0, 0.2}, 0.03 * i)}, settings, 0.03}, state);
+      for (const PlannedCell& cell : plan.cells) faded |= cell.opacity < 1;
+      faded |= !plan.leaving.empty();
+      state = plan.next;
+    }
+    CHECK(faded == (mapping != ColourMapping::paper));
+  }
+}
