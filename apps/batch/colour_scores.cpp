@@ -6,17 +6,16 @@
 #include <cmath>
 
 #include "ibr/metrics.h"
+#include "image/srgb.h"
 
 namespace ibr::app {
 namespace {
 
-double decoded(std::uint8_t level) {  // IEC 61966-2-1
-  const double v = level / 255.0;
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+double decoded(std::uint8_t level) {
+  return srgbToLinear(level / 255.0);
 }
 std::uint8_t encoded(double linear) {
-  const double v = std::clamp(linear, 0.0, 1.0);
-  return std::uint8_t(std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+  return std::uint8_t(std::lround(255 * linearToSrgb(std::clamp(linear, 0.0, 1.0))));
 }
 
 bool isClipped(std::uint8_t level) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "image/srgb.h"
+
 namespace ibr::app {
 
 Image8 rgb(const Image8& image) {
@@ -21,10 +23,7 @@ std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buf
     for (std::size_t i = 0; i < values.values.size(); ++i)
       values.values[i] = value(from.values[i * std::size_t(from.channels) + channel]);
   };
-  const auto linear = [](std::uint8_t value) {  // IEC 61966-2-1
-    const float encoded = float(value) / 255.0f;
-    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-  };
+  const auto linear = [](std::uint8_t value) { return float(srgbToLinear(value / 255.0)); };
   const auto same = [](float value) { return value; };
   add("R", image, 0, linear);
   add("G", image, 1, linear);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "base/check.h"
 #include "batch/command.h"
@@ -18,6 +19,7 @@
 #include "batch/progress.h"
 #include "batch/scene_renderer.h"
 #include "batch/settings.h"
+#include "batch/statistics.h"
 #include "batch/table.h"
 #include "batch/union_of_views.h"
 #include "ibr/metrics.h"
@@ -52,25 +54,14 @@ struct Frame {
 };
 
 void measureTiers(const Image8& image, const UnionOfViews& photographs, const Camera& camera, Frame& frame) {
-  const double share = 1.0 / (double(image.width) * image.height);
-  for (std::size_t i = 3; i < image.values.size(); i += 4) {
-    if (image.values[i] == 0) continue;
-    frame.coverage += share;
-    frame.tier[std::size_t(std::min(kTierCount - 1, (255 - image.values[i]) / 64))] += share;
-  }
+  frame.tier = tierShares(image);
+  frame.coverage = std::accumulate(frame.tier.begin(), frame.tier.end(), 0.0);
   std::size_t inside = 0, covered = 0;
   for (const glm::ivec2 pixel : photographs.pixelsSeen(camera)) {
     ++inside;
     covered += image.values[4 * (std::size_t(pixel.y) * std::size_t(image.width) + std::size_t(pixel.x)) + 3] > 0;
   }
   if (inside > 0) frame.coverageInside = double(covered) / double(inside);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Summary {
@@ -100,7 +91,7 @@ Summary summaryOf(const std::vector<Frame>& frames) {
     }
     for (std::size_t t = 0; t < summary.tier.size(); ++t) summary.tier[t] += frame.tier[t] / double(frames.size());
   }
-  summary.medianStep = median(steps);
+  summary.medianStep = quantile(steps, 0.5);
   summary.meanCoverageInside = withInside > 0 ? summary.meanCoverageInside / double(withInside) : NAN;
   if (withInside == 0) summary.leastCoverageInside = NAN;
   return summary;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "base/check.h"
+#include "image/srgb.h"
 
 namespace ibr {
 namespace {
@@ -130,8 +131,7 @@ struct Lab {
 Lab labOf(std::span<const std::uint8_t> pixel) {
   double linear[3];
   for (std::size_t c = 0; c < 3; ++c) {
-    const double v = pixel[c] / 255.0;
-    linear[c] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    linear[c] = srgbToLinear(pixel[c] / 255.0);
   }
   const auto f = [](double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; };
   const double x = f((0.4124564 * linear[0] + 0.3575761 * linear[1] + 0.1804375 * linear[2]) / 0.95047);

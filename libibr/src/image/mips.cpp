@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "base/check.h"
+#include "image/srgb.h"
 
 namespace ibr {
 namespace {
@@ -24,14 +25,10 @@ struct Transfer {
 
   Transfer() {
     for (int i = 0; i < 256; ++i) {
-      const double v = i / 255.0;
-      const double light = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-      decode[std::size_t(i)] = std::uint16_t(std::lround(light * 65535.0));
+      decode[std::size_t(i)] = std::uint16_t(std::lround(srgbToLinear(i / 255.0) * 65535.0));
     }
     for (int i = 0; i < 65536; ++i) {
-      const double light = i / 65535.0;
-      const double v = light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
-      encode[std::size_t(i)] = std::uint8_t(std::lround(v * 255.0));
+      encode[std::size_t(i)] = std::uint8_t(std::lround(linearToSrgb(i / 65535.0) * 255.0));
     }
   }
 };

@@ -157,28 +157,28 @@ class Planner {
     plan_.next.single.assign(drawn.begin(), drawn.end());
   }
 
+  // A cell in view. Small, since it is sorted; `planned` is an index into what stays in place.
   struct Candidate {
-    PlannedCell planned;
+    std::uint32_t cell, planned;
+    double extrapolation, rotation;  // PlannedCell::extrapolationDistance, rotationalDistance
     double size;
     std::int64_t rank;  // in the frame before; kNew if it was not drawn
-    double extrapolation() const { return planned.extrapolationDistance; }
-    double rotation() const { return planned.rotationalDistance; }
   };
   static constexpr std::int64_t kNew = std::numeric_limits<std::int64_t>::max();
   static constexpr double kKeepDistance = 0.02;  // of a cell's size
   static constexpr double kKeepAngle = 0.02;     // radians, about a degree
 
   bool better(const Candidate& a, const Candidate& b) const {
-    if (a.extrapolation() != b.extrapolation()) return a.extrapolation() < b.extrapolation();
-    if (a.rotation() != b.rotation()) return a.rotation() < b.rotation();
-    return identity(scene_, scene_.cells[a.planned.cell]) < identity(scene_, scene_.cells[b.planned.cell]);
+    if (a.extrapolation != b.extrapolation) return a.extrapolation < b.extrapolation;
+    if (a.rotation != b.rotation) return a.rotation < b.rotation;
+    return identity(scene_, scene_.cells[a.cell]) < identity(scene_, scene_.cells[b.cell]);
   }
   // By so much that their order changes.
   bool clearlyBetter(const Candidate& a, const Candidate& b) const {
-    if (a.extrapolation() != b.extrapolation()) return a.extrapolation() + kKeepDistance * a.size < b.extrapolation();
-    return a.rotation() + kKeepAngle < b.rotation();
+    if (a.extrapolation != b.extrapolation) return a.extrapolation + kKeepDistance * a.size < b.extrapolation;
+    return a.rotation + kKeepAngle < b.rotation;
   }
-  bool isMain(const Candidate& c) const { return std::int64_t(c.planned.cell) == state_.mainCell; }
+  bool isMain(const Candidate& c) const { return std::int64_t(c.cell) == state_.mainCell; }
   bool precedes(const Candidate& a, const Candidate& b) const {
     if (mixing_ && isMain(a) != isMain(b)) return isMain(a);  // until the switch to it is over
     if (a.rank < b.rank && b.rank != kNew) return !clearlyBetter(b, a);
@@ -187,7 +187,7 @@ class Planner {
     return a.rank == kNew ? clearlyBetter(a, b) : !clearlyBetter(b, a);
   }
 
-  std::vector<Candidate> candidates() {
+  std::vector<Candidate> candidates(std::vector<PlannedCell>& inView) {
     std::map<std::uint32_t, std::int64_t> rank;
     for (const ShownCell& shown : state_.shown)
       if (!shown.leaving) rank.emplace(shown.cell, std::int64_t(rank.size()));
@@ -205,36 +205,37 @@ class Planner {
         continue;
       }
       const auto before = rank.find(c);
-      result.push_back({cell, size, before == rank.end() ? kNew : before->second});
+      result.push_back({c, std::uint32_t(inView.size()), distance.extrapolation, distance.rotation, size,
+                        before == rank.end() ? kNew : before->second});
+      inView.push_back(cell);
     }
     return result;
   }
 
   void chooseCells() {
-    std::vector<Candidate> all = candidates();
+    std::vector<PlannedCell> inView;
+    std::vector<Candidate> all = candidates(inView);
     // Who is drawn: those before have a bonus, which keeps this a strict order. In which order: by insertion into that
     // of the frame before, since margins between pairs make no strict order.
-    const auto key = [&](const Candidate& c) {
-      Candidate favoured = c;
-      if (c.rank != kNew) {
-        favoured.planned.extrapolationDistance = std::max(0.0, c.extrapolation() - kKeepDistance * c.size);
-        favoured.planned.rotationalDistance = c.rotation() - kKeepAngle;
-      }
-      return favoured;
+    const auto favoured = [&](Candidate c) {
+      if (c.rank == kNew) return c;
+      c.extrapolation = std::max(0.0, c.extrapolation - kKeepDistance * c.size);
+      c.rotation -= kKeepAngle;
+      return c;
     };
     std::ranges::sort(all, [&](const Candidate& a, const Candidate& b) {
       if (mixing_ && isMain(a) != isMain(b)) return isMain(a);
-      return better(key(a), key(b));
+      return better(favoured(a), favoured(b));
     });
     const std::size_t kept = std::min<std::size_t>({all.size(), settings_.maxCells, kLargestCellCount});
     plan_.culledByCount = std::uint32_t(all.size() - kept);
-    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hidden.push_back(all[i].planned.cell);
+    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hidden.push_back(all[i].cell);
     std::ranges::sort(plan_.next.hidden);
     all.resize(kept);
     std::ranges::stable_sort(all, {}, &Candidate::rank);
     for (std::size_t i = 1; i < all.size(); ++i)
       for (std::size_t j = i; j > 0 && precedes(all[j], all[j - 1]); --j) std::swap(all[j], all[j - 1]);
-    for (const Candidate& candidate : all) plan_.cells.push_back(candidate.planned);
+    for (const Candidate& candidate : all) plan_.cells.push_back(inView[candidate.planned]);
     if (!plan_.cells.empty()) plan_.next.mainCell = plan_.cells[0].cell;
     // Nothing nearer than this keeps its true depth (it is drawn all the same); scale-free, since COLMAP worlds are.
     if (!plan_.cells.empty()) plan_.nearDistance = 0.05 * bounds_.cells[plan_.cells[0].cell].size;
