@@ -35,6 +35,6 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand, kSynthCommand, kWalkCommand;
+    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand;
 
 }  // namespace ibr::app

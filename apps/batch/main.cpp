@@ -17,7 +17,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand, &kEvalCommand,
+constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand, &kEvalCommand, &kAccuracyCommand,
                                &kWalkCommand,  &kCompareCommand, &kBenchCommand,    &kSynthCommand,  &kDeviceCommand};
 
 ExitCode exitCodeOf(ErrorCode code) {

@@ -26,6 +26,9 @@ Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, I
 Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info);
 Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info);
 
+/// One channel of 16 bits.
+Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const ReadLimits& limits);
+
 /// The same picture gives the same bytes.
 std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::string& name);
 std::vector<std::byte> encodePng(const Image8& image, const std::string& name);

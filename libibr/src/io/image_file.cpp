@@ -91,6 +91,10 @@ Image8 readImage(const fs::path& path, bool applyOrientation, const ReadLimits& 
   return applyOrientation && info.orientation != 1 ? io::oriented(image, info.orientation) : image;
 }
 
+Image<std::uint16_t> readGrey16(const fs::path& path, const ReadLimits& limits) {
+  return io::readPngGrey16(readFile(path), path.string(), limits);
+}
+
 void writeImage(const fs::path& path, const Image8& image, int quality) {
   assert(image.width > 0 && image.height > 0 && quality >= 1 && quality <= 100);
   const std::string name = path.string();

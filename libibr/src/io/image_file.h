@@ -30,6 +30,9 @@ ImageFileInfo probeImage(const std::filesystem::path& path);
 /// orientation is applied only where asked: a pose estimator may or may not have applied it.
 Image8 readImage(const std::filesystem::path& path, bool applyOrientation = false, const ReadLimits& limits = {});
 
+/// Reads a PNG with one channel of 16 bits, values as stored.
+Image<std::uint16_t> readGrey16(const std::filesystem::path& path, const ReadLimits& limits = {});
+
 /// 1, 3 or 4 channels; the format follows the extension: .png (lossless), .jpg/.jpeg (3 or 1 channels, `quality`).
 void writeImage(const std::filesystem::path& path, const Image8& image, int quality = 92);
 

@@ -2,6 +2,7 @@
 // PNG through libpng. As in jpeg.cpp, errors leave by longjmp: no object with a destructor in `guarded` functions.
 #include <png.h>
 
+#include <bit>
 #include <csetjmp>
 #include <cstring>
 
@@ -101,6 +102,16 @@ class Decoder : public Codec {
   Bytes rest_;
 };
 
+void checkFits(Decoder& decoder, const ImageFileInfo& info, Bytes file, const std::string& name,
+               const ReadLimits& limits) {
+  checkSize(info, limits, name);
+  // Deflate shrinks at most 1032 times: a small file cannot hold a large picture.
+  const auto bits =
+      std::uint64_t(info.width) * std::uint64_t(info.height) * png_get_bit_depth(decoder.png, decoder.info);
+  check(bits / 8 / 1032 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels", name,
+        file.size(), info.width, info.height);
+}
+
 }  // namespace
 
 ImageFileInfo probePng(Bytes file, const std::string& name) {
@@ -110,12 +121,7 @@ ImageFileInfo probePng(Bytes file, const std::string& name) {
 Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
   Decoder decoder(file, name);
   info = decoder.probe();
-  checkSize(info, limits, name);
-  // Deflate shrinks at most 1032 times: a small file cannot hold a large picture.
-  const auto bits =
-      std::uint64_t(info.width) * std::uint64_t(info.height) * png_get_bit_depth(decoder.png, decoder.info);
-  check(bits / 8 / 1032 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels", name,
-        file.size(), info.width, info.height);
+  checkFits(decoder, info, file, name, limits);
 
   Image8 image(info.width, info.height, 3);
   decoder.guarded([&] {
@@ -135,6 +141,27 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
   });
   // Metadata may also stand behind the pixels.
   info.orientation = decoder.probe().orientation;
+  return image;
+}
+
+Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const ReadLimits& limits) {
+  Decoder decoder(file, name);
+  const ImageFileInfo info = decoder.probe();
+  check(info.channels == 1 && info.bitsPerChannel == 16, ErrorCode::invalidInput,
+        "{}: has {} channels of {} bits, not one of 16", name, info.channels, info.bitsPerChannel);
+  checkFits(decoder, info, file, name, limits);
+  Image<std::uint16_t> image(info.width, info.height, 1);
+  decoder.guarded([&] {
+    if constexpr (std::endian::native == std::endian::little) png_set_swap(decoder.png);
+    const int passes = png_set_interlace_handling(decoder.png);
+    png_read_update_info(decoder.png, decoder.info);
+    for (int pass = 0; pass < passes; ++pass)
+      for (int y = 0; y < image.height; ++y)
+        png_read_row(decoder.png,
+                     reinterpret_cast<png_bytep>(image.values.data() + std::size_t(y) * std::size_t(image.width)),
+                     nullptr);
+    png_read_end(decoder.png, decoder.info);
+  });
   return image;
 }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// How right the matches and labels of a scene's cells are, where exact depth of the place is known. Needs ibr::author.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ibr/camera.h"
+#include "ibr/image.h"
+#include "ibr/log.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+/// Exact depth of a view: 1 channel, world units along its axis at pixel centres, 0 = infinitely far. A pinhole.
+struct DepthView {
+  Camera camera;
+  ImageF depth;
+};
+
+/// Pixels are those of the members' stored photographs. What the depth views have not seen is not counted anywhere. A
+/// surface is right in a triangle where the triangle's matches are within 1.5 px of it in every member and every member
+/// sees it; a triangle is right where 80 % of its known pixels in the first member are.
+struct MatchAccuracy {
+  std::vector<double> vertexError;  // px, each vertex of tier 0: the worst member's distance from the exact match
+  std::vector<double> deviation;    // of the same vertices: error of ρ over its uncertainty, without sign
+  double coVisible = 0;             // px of the first member whose surface all members see
+  double kept = 0;                  // … of them, under triangles of tier 0
+  double tier0 = 0;                 // px under triangles of tier 0
+  double rightTier0 = 0;            // … of those that are right
+  double right = 0;                 // px under right triangles of tier 0 or 1
+  std::size_t folded = 0;           // triangles of tier 0 that turn over from member to member
+
+  MatchAccuracy& operator+=(const MatchAccuracy& other);
+};
+
+/// One for each cell of the scene. Cells with a panorama get zeros. Throws Error{invalidInput} where a view is no
+/// pinhole or its depth has another size, Error{cancelled} where `progress` says so. 0 threads: all cores.
+std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const DepthView> truth, int threads = 0,
+                                         const ProgressCallback& progress = {});
+
+}  // namespace ibr

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/accuracy.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "ibr/error.h"
+#include "scene/synthetic.h"
+#include "support/posed_rig.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// A wall, and a board that stands before a part of it.
+SyntheticScene wallAndBoard(std::size_t members, bool atInfinity = false) {
+  SyntheticOptions options;
+  for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), {0.6, 0, 0}, {0.3, 0, 0.5}, {0.3, 0.4, 0.2}})
+    options.cameras.push_back(lookingAlong(place, {0, 1, 0}));
+  options.cameras.resize(members);
+  options.planes = {{{0.5, 6, 0}, {1, 0, 0}, {0, 0, 1}, 30, 20, 1, 0.3}};
+  if (!atInfinity) options.planes.push_back({{0.2, 3, 0.1}, {1, 0, 0}, {0, 0, 1}, 0.8, 0.6, 2, 0.2});
+  options.gridStep = 8;
+  options.atInfinity = atInfinity;
+  options.samplesPerAxis = 1;
+  return makeScene(options);
+}
+
+std::vector<DepthView> depthAround(const SyntheticScene& made) {
+  std::vector<DepthView> views;
+  for (const double x : {0.0, 0.2, 0.4, 0.6}) {
+    const Camera camera = lookingAlong({x, -0.2, 0.2 * x}, {0.1 * x, 1, 0}, 500, 375, 1.1);
+    ImageF depth = renderDepth(made, camera);
+    for (float& d : depth.values) d = std::isfinite(d) ? d : 0.0f;
+    views.push_back({camera, std::move(depth)});
+  }
+  return views;
+}
+
+double largest(const std::vector<double>& values) {
+  return *std::ranges::max_element(values);
+}
+
+}  // namespace
+
+TEST_CASE("exact matches are found exact") {
+  const std::size_t members = GENERATE(2u, 3u, 4u);
+  const bool atInfinity = GENERATE(false, true);
+  const SyntheticScene made = wallAndBoard(members, atInfinity);
+  const auto result = matchAccuracy(made.scene, depthAround(made));
+  REQUIRE(result.size() == 1);
+  const MatchAccuracy& a = result[0];
+  CHECK(a.vertexError.size() > 200);
+  CHECK(largest(a.vertexError) < 0.02);
+  CHECK(a.coVisible > 15000);
+  CHECK(a.kept > 0.8 * a.coVisible);
+  CHECK(a.rightTier0 == a.tier0);
+  CHECK(a.right == a.tier0);
+  CHECK(a.folded == 0);
+}
+
+TEST_CASE("what is wrong with matches and labels is counted") {
+  SyntheticScene made = wallAndBoard(3);
+  MorphMesh& mesh = made.scene.cells[0].mesh;
+  const auto truth = depthAround(made);
+  const MatchAccuracy before = matchAccuracy(made.scene, truth)[0];
+
+  SECTION("shifted by 2 px in one member") {
+    for (glm::vec2& p : mesh.match[2]) p.x += 2;
+    const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
+    CHECK(a.vertexError.size() == before.vertexError.size());
+    for (const double error : a.vertexError) CHECK(error == Approx(2.0).margin(0.02));
+    CHECK(a.rightTier0 == 0);
+    CHECK(a.kept == before.kept);
+  }
+  SECTION("half of the right triangles in tier 1") {
+    const std::size_t half = mesh.triangles.size() / 2;
+    for (std::size_t t = half; t < mesh.tier.size(); ++t) mesh.tier[t] = kTierRejected;
+    const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
+    CHECK(a.rightTier0 == a.tier0);
+    CHECK(a.right == before.right);
+    CHECK(a.tier0 < 0.8 * before.tier0);
+    CHECK(a.kept < before.kept);
+    CHECK(a.coVisible == before.coVisible);
+  }
+  SECTION("a triangle that turns over") {
+    // A vertex thrown across the opposite edge in one member turns at least that triangle over.
+    const glm::uvec3 t = mesh.triangles[mesh.triangles.size() / 2];
+    auto& at = mesh.match[1];
+    at[t.x] = at[t.y] + at[t.z] - at[t.x];
+    CHECK(matchAccuracy(made.scene, truth)[0].folded >= 1);
+  }
+  SECTION("triangles that bridge wall and board") {
+    // The board's vertices put onto the wall: what the matches claim there is hidden behind it.
+    const Camera& first = made.scene.nodes[0].camera;
+    std::size_t moved = 0;
+    for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
+      const glm::dvec3 ray = first.pose.rotation * unproject(first.intrinsics, mesh.match[0][v]);
+      const double s = mesh.ratio[0][v] / mesh.inverseDistance[v];
+      if (std::abs(s * ray.y - 3) > 0.1) continue;
+      const glm::dvec3 wall = ray * (6.0 / ray.y);
+      for (std::size_t i = 1; i < 3; ++i) {
+        const Camera& camera = made.scene.nodes[i].camera;
+        mesh.match[i][v] =
+            *project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (wall - camera.pose.position));
+      }
+      ++moved;
+    }
+    REQUIRE(moved > 10);
+    const MatchAccuracy a = matchAccuracy(made.scene, truth)[0];
+    CHECK(std::ranges::count_if(a.vertexError, [](double e) { return e > 3; }) > 10);
+    CHECK(a.rightTier0 < before.rightTier0);
+  }
+}
+
+TEST_CASE("the uncertainty of a vertex is compared with its error") {
+  SyntheticScene made = wallAndBoard(2);
+  MorphMesh& mesh = made.scene.cells[0].mesh;
+  for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
+    mesh.uncertainty[v] = 0.01f * mesh.inverseDistance[v];
+    mesh.inverseDistance[v] *= 1.015f;
+  }
+  const MatchAccuracy a = matchAccuracy(made.scene, depthAround(made))[0];
+  CHECK(std::ranges::all_of(a.deviation, [](double d) { return d == Approx(1.5).margin(0.05); }));
+}
+
+TEST_CASE("depth that does not fit its view is refused") {
+  const SyntheticScene made = wallAndBoard(2);
+  auto views = depthAround(made);
+  views[1].depth = ImageF(10, 10, 1);
+  CHECK_THROWS_AS(matchAccuracy(made.scene, views), Error);
+  views[1].camera.intrinsics = {CameraModel::equirectangular, 10, 10};
+  CHECK_THROWS_AS(matchAccuracy(made.scene, views), Error);
+}
