@@ -17,8 +17,19 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::array kCommands{&kBuildCommand, &kInfoCommand,    &kValidateCommand, &kRenderCommand, &kEvalCommand, &kAccuracyCommand,
-                               &kWalkCommand,  &kCompareCommand, &kBenchCommand,    &kSynthCommand,  &kDeviceCommand};
+constexpr std::array kCommands{
+    &kBuildCommand,
+    &kInfoCommand,
+    &kValidateCommand,
+    &kRenderCommand,
+    &kEvalCommand,
+    &kAccuracyCommand,
+    &kWalkCommand,
+    &kCompareCommand,
+    &kBenchCommand,
+    &kSynthCommand,
+    &kDeviceCommand,
+};
 
 ExitCode exitCodeOf(ErrorCode code) {
   switch (code) {
