@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kJpegQuality = 95;
+constexpr double kBytesPerPixel = 14;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -46,6 +47,7 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const ImageFileInfo info = probeImage(photo.source);
   const Intrinsics& k = image.camera.intrinsics;
   int width = info.width, height = info.height;
+  photo.sourcePixels = double(width) * height;
   if (!sameShape(width, height, k) && info.orientation >= 5 && sameShape(height, width, k)) {
     photo.applyOrientation = true;
     std::swap(width, height);
@@ -69,14 +71,22 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
 }
 
 Image8 loadPhotograph(const Photograph& photo) {
-  Image8 picture = readImage(photo.source, photo.applyOrientation);
+  const Image8 picture = readImage(photo.source, photo.applyOrientation);
   const Intrinsics& k = photo.camera.intrinsics;
   if (picture.width == k.width && picture.height == k.height) return picture;
-  Image8 small(k.width, k.height, 3);
-  const cv::Mat from(picture.height, picture.width, CV_8UC3, picture.values.data());
-  cv::Mat to(small.height, small.width, CV_8UC3, small.values.data());
+  return shrunk(picture, k.width, k.height);
+}
+
+Image8 shrunk(const Image8& picture, int width, int height) {
+  Image8 small(width, height, 3);
+  const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
+  cv::Mat to(height, width, CV_8UC3, small.values.data());
   cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
   return small;
+}
+
+double bytesToStore(const Photograph& photo) {
+  return kBytesPerPixel * photo.sourcePixels;
 }
 
 std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {

@@ -19,6 +19,7 @@ struct Photograph {
   std::string name;
   std::filesystem::path source;
   bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
+  double sourcePixels = 0;
   bool copied = false;                           // stored byte by byte
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
@@ -31,6 +32,12 @@ Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage&
 
 /// The picture as it is stored (RGB), from its source.
 Image8 loadPhotograph(const Photograph& photograph);
+
+/// RGB, averaged over areas.
+Image8 shrunk(const Image8& picture, int width, int height);
+
+/// The memory that storePhotograph takes, about.
+double bytesToStore(const Photograph& photograph);
 
 /// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes.
 std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);

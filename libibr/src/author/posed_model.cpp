@@ -2,6 +2,7 @@
 #include "author/posed_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <set>
 
@@ -42,12 +43,23 @@ double reprojectionError(const PosedModel& model) {
   return errors.empty() ? 0 : median(errors);
 }
 
-std::vector<glm::dvec3> pointsSeenBy(const PosedModel& model, std::uint32_t image) {
-  std::vector<glm::dvec3> points;
-  for (const Track& track : model.tracks)
-    if (std::ranges::any_of(track.observations, [&](const TrackObservation& o) { return o.image == image; }))
-      points.push_back(track.position);
-  return points;
+std::vector<std::vector<std::uint32_t>> tracksOfImages(const PosedModel& model) {
+  std::vector<std::vector<std::uint32_t>> tracks(model.images.size());
+  for (std::uint32_t t = 0; t < model.tracks.size(); ++t)
+    for (const TrackObservation& seen : model.tracks[t].observations) {
+      std::vector<std::uint32_t>& its = tracks[seen.image];
+      if (its.empty() || its.back() != t) its.push_back(t);
+    }
+  return tracks;
+}
+
+Camera matchedCamera(Camera camera) {
+  Intrinsics& k = camera.intrinsics;
+  const double pixels = double(k.width) * k.height;
+  if (pixels <= kMatchPixels) return camera;
+  const double scale = std::sqrt(kMatchPixels / pixels);
+  k = resized(k, std::max(1, int(k.width * scale)), std::max(1, int(k.height * scale)));
+  return camera;
 }
 
 double median(std::vector<double>& values) {

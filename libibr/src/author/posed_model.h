@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions to a posed model, and leaving images of it out.
+// Questions to a posed model and its cameras, and leaving images of it out.
 #pragma once
 
 #include <string>
@@ -16,8 +16,14 @@ void removeImages(PosedModel& model, const std::vector<std::string>& names);
 /// Median distance between observations and projections of the tracks' points, px; 0 without tracks.
 double reprojectionError(const PosedModel& model);
 
-/// Positions of the tracks that an image observes.
-std::vector<glm::dvec3> pointsSeenBy(const PosedModel& model, std::uint32_t image);
+/// Of each image the tracks that it observes, ascending; one that it observes twice is there once.
+std::vector<std::vector<std::uint32_t>> tracksOfImages(const PosedModel& model);
+
+/// Photographs are matched at no more pixels than this.
+inline constexpr double kMatchPixels = 2e6;
+
+/// The camera at the size that its photograph is matched at. Limits in px of what matching tells apart refer to it.
+Camera matchedCamera(Camera camera);
 
 /// The greater of the two in the middle where their number is even. Precondition: not empty. Reorders.
 double median(std::vector<double>& values);

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build_input.h"
+
+#include <bit>
+#include <set>
+#include <string>
+
+#include "author/posed_model.h"
+#include "base/check.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kExactPx = 0.1;  // median reprojection error up to which poses count as exact
+
+void checkOptions(const BuildOptions& options) {
+  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
+  const int spacing = options.backdropSpacing;
+  check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
+        "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
+  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
+}
+
+std::vector<BuildReport::Dropped> unknownTo(const PosedModel& model, const fs::path& photographs) {
+  std::set<std::string> known;
+  for (const PosedImage& image : model.images) known.insert(image.name);
+  std::vector<BuildReport::Dropped> unknown;
+  for (const std::string& name : listPictures(photographs))
+    if (!known.contains(name)) unknown.push_back({name, "not registered: the model has no pose for it"});
+  return unknown;
+}
+
+}  // namespace
+
+BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
+  checkOptions(options);
+  BuildInput input;
+  input.model = options.panoramas.empty() ? readColmapModel(options.model, log) : readPanoramas(options.panoramas);
+  input.dropped = unknownTo(input.model, options.photographs);
+  removeImages(input.model, options.exclude);
+  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
+        (options.panoramas.empty() ? options.model : options.panoramas).string());
+  for (const PosedImage& image : input.model.images)
+    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
+  input.tracksOf = tracksOfImages(input.model);
+  input.refine = reprojectionError(input.model) > kExactPx;
+  input.plan = planCells(input.model, options);
+  return input;
+}
+
+bool isPanorama(const Photograph& photograph) {
+  return photograph.camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+fs::path keptFolder(const BuildOptions& options) {
+  return options.output / ".build";
+}
+
+void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t i) {
+  const Photograph& photograph = input.photographs[i];
+  hash.add(input.hashes[i]);
+  const Intrinsics& k = photograph.camera.intrinsics;
+  const Pose& pose = photograph.camera.pose;
+  hash.add(photograph.applyOrientation);
+  for (const double v : {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
+                         pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
+    hash.add(v);
+}
+
+void addPoints(Hash& hash, const std::vector<glm::dvec3>& points) {
+  for (const glm::dvec3& p : points)
+    for (int c = 0; c < 3; ++c) hash.add(p[c]);
+}
+
+}  // namespace ibr

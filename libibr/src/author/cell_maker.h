@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// One cell after another: matched, meshed and kept, or taken from a build that was stopped.
+//
+// A finished cell is kept until the scene is written, under a hash of its members' files, cameras and points, so that a
+// build that was stopped goes on, and one with other options takes over what is the same.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "author/build_input.h"
+#include "author/mesh.h"
+
+namespace ibr {
+
+struct MadeCell {
+  CellMesh cell;
+  double seconds = 0;
+  bool resumed = false;   // was kept
+  std::uint64_t key = 0;  // it is kept under
+};
+
+class CellMaker {
+ public:
+  /// Both outlive the object.
+  CellMaker(const BuildInput& input, const BuildOptions& options) : input_(input), options_(options) {}
+
+  /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. With backdrops asked
+  /// for, the members' own depths are kept as well (cell_cache.h). Throws Error.
+  MadeCell make(const std::vector<std::uint32_t>& members) const;
+
+  /// The memory that making one takes at most.
+  double bytes() const;
+
+ private:
+  const BuildInput& input_;
+  const BuildOptions& options_;
+};
+
+}  // namespace ibr
