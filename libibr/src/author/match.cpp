@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "author/agreement.h"
+#include "author/cv_view.h"
 #include "author/depth_clean.h"
 #include "author/mean_frame.h"
 #include "author/plane_sweep.h"
@@ -20,46 +22,9 @@ constexpr int kSpeckle = 60;          // px at half resolution
 constexpr float kSpeckleStep = 2.0f;  // levels
 constexpr float kHidden = 10.0f;      // levels by which something stands before a pixel that hides it
 constexpr double kResidual = 3.0;     // px
-constexpr double kCorrelation = 0.5;  // of 7×7 windows, worst pair; or …
-constexpr double kAlike = 20.0;       // … their RMS difference, grey levels
-constexpr double kTexture = 9.0;      // grey²: variance of a window that can tell one depth from another
-constexpr double kNoise = 25.0;       // grey², added to variances and covariance: flat windows correlate
-
-cv::Mat view(const Image8& image) {
-  return {image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.values.data())};
-}
-cv::Mat view(const ImageF& image) {
-  return {image.height, image.width, CV_32FC(image.channels), const_cast<float*>(image.values.data())};
-}
 
 Camera scaled(const Camera& camera, int width, int height) {
   return {resized(camera.intrinsics, width, height), camera.pose};
-}
-
-struct Agreement {
-  cv::Mat alike;     // windows of 7×7 look the same up to gain and offset, or nearly so as they are
-  cv::Mat textured;  // they have texture, and it is the same
-};
-
-// Of two grey pictures (float).
-Agreement agreement(const cv::Mat& a, const cv::Mat& b) {
-  auto mean = [](const cv::Mat& m) {
-    cv::Mat result;
-    cv::blur(m, result, {7, 7}, {-1, -1}, cv::BORDER_REPLICATE);
-    return result;
-  };
-  const cv::Mat meanA = mean(a), meanB = mean(b), offset = meanA - meanB;
-  const cv::Mat ownA = cv::max(mean(a.mul(a)) - meanA.mul(meanA), 0);
-  const cv::Mat ownB = cv::max(mean(b.mul(b)) - meanB.mul(meanB), 0);
-  const cv::Mat shared = mean(a.mul(b)) - meanA.mul(meanB);
-  cv::Mat ownRoot;
-  cv::sqrt(ownA.mul(ownB), ownRoot);
-  const cv::Mat textured = (cv::min(ownA, ownB) > kTexture) & (shared > kCorrelation * ownRoot);
-  const cv::Mat varianceA = ownA + kNoise, varianceB = ownB + kNoise, covariance = shared + kNoise;
-  cv::Mat root;
-  cv::sqrt(varianceA.mul(varianceB), root);
-  const cv::Mat square = varianceA + varianceB - 2 * covariance + offset.mul(offset);
-  return {(covariance > kCorrelation * root) | (square < kAlike * kAlike), textured};
 }
 
 bool contains(const Image8& picture, glm::dvec2 pixel) {
@@ -71,7 +36,7 @@ class Matcher {
   Matcher(std::span<const MatchView> views, const MatchOptions& options) : views_(views), options_(options) {
     for (const MatchView& v : views) {
       cameras_.push_back(v.camera);
-      cv::cvtColor(view(v.picture), grey_.emplace_back(), cv::COLOR_RGB2GRAY);
+      cv::cvtColor(cvView(v.picture), grey_.emplace_back(), cv::COLOR_RGB2GRAY);
     }
     match_.frame = meanFrame(cameras_);
     width_ = match_.frame.intrinsics.width;
@@ -97,7 +62,7 @@ class Matcher {
       const int width = std::max(grey_[i].cols / 2, 1), height = std::max(grey_[i].rows / 2, 1);
       halves.push_back({scaled(cameras_[i], width, height), ImageF(width, height, 1)});
       cameras.push_back(halves.back().camera);
-      cv::Mat small, target = view(halves.back().grey);
+      cv::Mat small, target = cvView(halves.back().grey);
       cv::resize(grey_[i], small, {width, height}, 0, 0, cv::INTER_AREA);
       small.convertTo(target, CV_32F);
     }
@@ -127,7 +92,7 @@ class Matcher {
           position.values[2 * at(x, y) + 1] = pixel ? float(pixel->y) : -1.0f;
         }
       cv::Mat corner, warped;
-      cv::subtract(view(position), cv::Scalar(0.5, 0.5), corner);
+      cv::subtract(cvView(position), cv::Scalar(0.5, 0.5), corner);
       cv::remap(grey_[i], warped, corner, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
       warped.convertTo(warped_.emplace_back(), CV_32F);
     }
@@ -140,20 +105,20 @@ class Matcher {
     for (std::size_t i = 0; i < views_.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const Agreement found = agreement(warped_[i], warped_[j]);
-        const cv::Mat inside = (view(inside_[i]) > 0) & (view(inside_[j]) > 0), agreed = found.alike & inside;
+        const cv::Mat inside = (cvView(inside_[i]) > 0) & (cvView(inside_[j]) > 0), agreed = found.alike & inside;
         all &= agreed;
         any |= agreed;
-        for (const std::size_t k : {i, j}) view(match_.seen[k]).setTo(1, found.textured & inside);
+        for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, found.textured & inside);
       }
     Image8 solid(width_, height_, 1);
-    view(solid).setTo(1, any);
+    cvView(solid).setTo(1, any);
     match_.good = Image8(width_, height_, 1);
-    view(match_.good).setTo(1, all);
+    cvView(match_.good).setTo(1, all);
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const Image8 visible = visibleFrom(maps_[i], match_.inverseDepth, solid, views_[i].picture.width,
                                          views_[i].picture.height, kHidden * match_.inverseDepthStep);
-      view(match_.good).setTo(0, view(visible) == 0);
-      view(match_.seen[i]).setTo(0, view(visible) == 0);
+      cvView(match_.good).setTo(0, cvView(visible) == 0);
+      cvView(match_.seen[i]).setTo(0, cvView(visible) == 0);
     }
   }
 

@@ -9,6 +9,9 @@
 //      matches; too large a flow shuts the gate
 #pragma once
 
+#include <glm/gtc/type_precision.hpp>
+#include <glm/vec2.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +30,14 @@ struct MatchOptions {
   bool refine = false;  // step 4
 };
 
+/// Where vertices of a mesh are to stand, sub-pixel.
+struct MatchedVertices {
+  std::vector<glm::vec2> frame;                 // px of the frame
+  std::vector<double> inverseDepth;             // along its axis
+  std::vector<std::vector<glm::vec2>> matched;  // of each view, px of its picture
+  std::vector<glm::u16vec4> planes;             // that each lies on, as MorphMesh::planes; empty: not known
+};
+
 /// All pictures have the frame's size; pixel (x, y) stands for its centre.
 struct DenseMatch {
   Camera frame;
@@ -37,6 +48,7 @@ struct DenseMatch {
   Image8 good;                   // 1 channel: 1 where all members agree
   std::vector<Image8> seen;      // of each member: 1 where its texture is that of another one, and it sees the point
   bool refined = false;          // by step 4: positions are not quite what inverseDepth says
+  std::optional<MatchedVertices> vertices;  // where the matcher itself puts them; else the quadtree does
 };
 
 /// `points` of the world that the members see give the sweep its range. Precondition: 2 to 4 views. Throws

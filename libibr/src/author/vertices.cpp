@@ -7,6 +7,7 @@
 namespace ibr {
 
 MatchedVertices matchedVertices(std::span<const MatchView> views, const DenseMatch& match) {
+  if (match.vertices) return *match.vertices;
   MatchedVertices vertices;
   vertices.matched.resize(views.size());
   const DepthRefiner refiner(views, match);

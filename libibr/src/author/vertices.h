@@ -11,12 +11,7 @@
 
 namespace ibr {
 
-/// Where a dense match puts vertices (quadtree.h), sub-pixel.
-struct MatchedVertices {
-  std::vector<glm::vec2> frame;                 // px of the mean frame
-  std::vector<double> inverseDepth;             // along its axis
-  std::vector<std::vector<glm::vec2>> matched;  // of each view, px of its picture
-};
+/// Where a dense match puts vertices: the matcher's own, else by quadtree (quadtree.h).
 MatchedVertices matchedVertices(std::span<const MatchView> views, const DenseMatch& match);
 
 template <class T>
