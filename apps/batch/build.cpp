@@ -3,17 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/check.h"
-#include "base/file.h"
+#include "batch/build_options.h"
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/poses.h"
 #include "batch/progress.h"
-#include "batch/settings.h"
 #include "batch/table.h"
 #include "ibr/author.h"
-
-namespace fs = std::filesystem;
 
 namespace ibr::app {
 namespace {
@@ -21,40 +15,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  BuildOptions build;
-  std::string photographs, model, panoramas, output, excludeFrom;
+  BuildChoices choices;
+  std::string photographs, output;
 };
-
-// Models are usually kept beside the photographs, or in the folder that holds their folder.
-fs::path findModel(const fs::path& photographs, const Context& context) {
-  const fs::path parent = fs::weakly_canonical(photographs).parent_path();
-  for (const fs::path& candidate :
-       {photographs / "sparse", photographs / "sparse" / "0", parent / "sparse", parent / "sparse" / "0", photographs})
-    if (holdsColmapModel(candidate)) {
-      context.say(LogLevel::info, "poses from {}", candidate.string());
-      return candidate;
-    }
-  fail(ErrorCode::io,
-       "{}: no poses found. Give the folder of a COLMAP model (cameras.txt or .bin) with --model; without it, sparse "
-       "and "
-       "sparse/0 are looked for in this folder and beside it",
-       photographs.string());
-}
-
-std::vector<std::string> namesIn(const fs::path& file) {
-  std::vector<std::string> names;
-  std::string line;
-  for (const char c : readTextFile(file) + '\n') {
-    if (c != '\n') {
-      line += c;
-      continue;
-    }
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
-    if (!line.empty()) names.push_back(line);
-    line.clear();
-  }
-  return names;
-}
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -64,7 +27,7 @@ std::string joined(const std::vector<std::string>& names) {
 
 using StageSeconds = std::vector<std::pair<std::string, double>>;
 
-void printReport(const BuildReport& report, const StageSeconds& stages, const Options& options,
+void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
                  const Context& context) {
   Table cells;
   cells.row({"cell", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "s"});
@@ -98,14 +61,14 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Op
   }
   for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
   context.print("{:>9.1f} s  in all\n\n", report.seconds);
-  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} dropped\n", options.output,
-                report.cells.size(), resumed, points, triangles, report.dropped.size());
+  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} dropped\n",
+                options.output.string(), report.cells.size(), resumed, points, triangles, report.dropped.size());
 }
 
-std::string reportJson(const BuildReport& report, const StageSeconds& stages, const Options& options) {
-  Json json{{"scene", options.output},
-            {"photographs", options.photographs},
-            {"model", (options.panoramas.empty() ? options.build.model : options.build.panoramas).string()},
+std::string reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
+  Json json{{"scene", options.output.string()},
+            {"photographs", options.photographs.string()},
+            {"model", (options.panoramas.empty() ? options.model : options.panoramas).string()},
             {"cells", Json::array()},
             {"backdrops", Json::array()},
             {"dropped", Json::array()},
@@ -133,20 +96,9 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-ExitCode buildScene(Options options, const Context& context) {
-  BuildOptions& build = options.build;
-  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder of photographs",
-        options.photographs);
-  build.photographs = options.photographs;
+ExitCode buildScene(const Options& options, const Context& context) {
+  BuildOptions build = buildOptionsOf(options.choices, options.photographs, context);
   build.output = options.output;
-  build.panoramas = options.panoramas;
-  build.model = options.model;
-  if (options.model.empty() && options.panoramas.empty()) build.model = findModel(build.photographs, context);
-  build.seed = context.options().seed;
-  build.threads = context.options().threads;
-  if (!options.excludeFrom.empty())
-    for (std::string& name : namesIn(options.excludeFrom)) build.exclude.push_back(std::move(name));
-
   BuildReport report;
   StageSeconds stages;
   {
@@ -154,8 +106,8 @@ ExitCode buildScene(Options options, const Context& context) {
     report = ibr::build(build, progress.callback(), context.log());
     stages = progress.stageSeconds();
   }
-  printReport(report, stages, options, context);
-  context.report(reportJson(report, stages, options));
+  printReport(report, stages, build, context);
+  context.report(reportJson(report, stages, build));
   return kExitOk;
 }
 
@@ -179,28 +131,7 @@ const Command kBuildCommand{
       app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
           ->required()
           ->type_name("SCENE");
-      app.add_option(
-             "--model", options->model,
-             "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
-          ->type_name("DIR");
-      app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
-          ->type_name("FILE")
-          ->excludes("--model");
-      app.add_option("--exclude", options->build.exclude, "Photographs to leave out, by their names in the model")
-          ->type_name("NAME...");
-      app.add_option("--exclude-from", options->excludeFrom, "The same, from a file with a name a line")
-          ->type_name("FILE");
-      addInt(app, "--max-size", options->build.maxSize, 0, 65536,
-             "Longest side of stored photographs; 0 = as they are");
-      declareTextureFormat(app, options->build.texture);
-      addChoice<int>(app, "--dimension", options->build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
-                     "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
-      app.add_flag_callback(
-          "--no-backdrops", [options] { options->build.backdrops = false; },
-          "Make no backdrops: where cells show nothing, holes stay");
-      addChoice<int>(app, "--backdrop-spacing", options->build.backdropSpacing,
-                     {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
-                     "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
+      declareBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -35,10 +35,11 @@ ExitCode comparePictures(const Options& options, const Context& context) {
   check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput, "{} is {}×{} px, but {} {}×{}", options.a,
         a.width, a.height, options.b, b.width, b.height);
   const Difference found = difference(a, b, tolerance ? tolerance->levels : 0);
-  const double decibels = psnr(a, b), similarity = ssim(a, b), percent = 100 * found.shareAbove;
+  const double decibels = psnr(a, b), similarity = ssim(a, b), seen = flip(a, b), percent = 100 * found.shareAbove;
   const bool within = !tolerance || (percent <= tolerance->percent && found.largest <= tolerance->largest);
   context.print("PSNR                {} dB\n", numberText(decibels, 3));
   context.print("SSIM                {}\n", numberText(similarity, 5));
+  context.print("FLIP                {}\n", numberText(seen, 5));
   context.print("largest difference  {} levels\n", found.largest);
   context.print("mean difference     {} levels\n", numberText(found.meanAbsolute, 4));
   context.print("pixels that differ  {} % by more than {} levels\n", numberText(percent, 4),
@@ -49,7 +50,7 @@ ExitCode comparePictures(const Options& options, const Context& context) {
               {"b", options.b},
               {"psnr", decibels},
               {"ssim", similarity},
-              {"flip", nullptr},
+              {"flip", seen},
               {"largest", found.largest},
               {"meanAbsolute", found.meanAbsolute},
               {"percentAbove", percent},

@@ -49,7 +49,7 @@ struct Figure {
 };
 constexpr Figure kFigures[] = {{"psnr", "PSNR", 2, &Scores::psnr},
                                {"ssim", "SSIM", 4, &Scores::ssim},
-                               {"flip", nullptr, 4, &Scores::flip},
+                               {"flip", "FLIP", 4, &Scores::flip},
                                {"coverage", "coverage", 3, &Scores::coverage},
                                {"coverageTier0", "tier 0", 3, &Scores::coverageTier0},
                                {"coverageTier1", nullptr, 3, &Scores::coverageTier1},
@@ -74,7 +74,7 @@ Scores score(const SceneRenderer::Picture& prediction, const Image8& truth) {
   const std::array<double, 4> tiers = tierShares(image);
   return {.psnr = psnr(image, truth),
           .ssim = ssim(image, truth),
-          .flip = std::nan(""),  // not measured yet
+          .flip = flip(image, truth),
           .coverage = double(covered) / pixels,
           .coverageTier0 = tiers[kTierAgrees],
           .coverageTier1 = tiers[kTierRejected],
@@ -188,7 +188,7 @@ const Command kEvalCommand{
     .details =
         "DIR has images/ and a COLMAP model in sparse/ (or both in DIR). PSNR is on 8-bit values; holes count as black "
         "in "
-        "PSNR and SSIM and are left out of the 'covered' columns. -o writes prediction, truth and four times the "
+        "PSNR, SSIM and FLIP and are left out of the 'covered' columns. -o writes prediction, truth and four times the "
         "difference "
         "side by side. ms is the time from planning until the picture is on the host. In JSON, PSNR is null where "
         "nothing is "

@@ -20,6 +20,15 @@ double psnr(const Image8& a, const Image8& b, const Image8& mask);
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
+/// LDR-FLIP (Andersson et al. 2020): how strong a difference is seen when the pictures alternate in one place, 0 (none)
+/// to 1, a pixel; the eye sees `pixelsPerDegree` of them in a degree (1 to 1000; 67: a display of 0.7 m and 3840 px at
+/// 0.7 m). Symmetric. The map has one channel. Throws Error{invalidInput} also for empty pictures.
+inline constexpr double kFlipPixelsPerDegree = 67;
+ImageF flipMap(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
+
+/// The map's mean.
+double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixelsPerDegree);
+
 /// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count in a mask (1 channel, nonzero);
 /// NaN where none does.
 double deltaE(const Image8& a, const Image8& b, const Image8& mask);

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/build_options.h"
+
+#include <vector>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/options.h"
+#include "batch/poses.h"
+#include "batch/settings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+// Models are usually kept beside the photographs, or in the folder that holds their folder.
+fs::path findModel(const fs::path& photographs, const Context& context) {
+  const fs::path parent = fs::weakly_canonical(photographs).parent_path();
+  for (const fs::path& candidate :
+       {photographs / "sparse", photographs / "sparse" / "0", parent / "sparse", parent / "sparse" / "0", photographs})
+    if (holdsColmapModel(candidate)) {
+      context.say(LogLevel::info, "poses from {}", candidate.string());
+      return candidate;
+    }
+  fail(ErrorCode::io,
+       "{}: no poses found. Give the folder of a COLMAP model (cameras.txt or .bin) with --model; without it, sparse "
+       "and sparse/0 are looked for in this folder and beside it",
+       photographs.string());
+}
+
+std::vector<std::string> namesIn(const fs::path& file) {
+  std::vector<std::string> names;
+  std::string line;
+  for (const char c : readTextFile(file) + '\n') {
+    if (c != '\n') {
+      line += c;
+      continue;
+    }
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();
+    if (!line.empty()) names.push_back(line);
+    line.clear();
+  }
+  return names;
+}
+
+}  // namespace
+
+void declareBuildOptions(CLI::App& app, BuildChoices& choices) {
+  app.add_option(
+         "--model", choices.model,
+         "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
+      ->type_name("DIR");
+  app.add_option("--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
+      ->type_name("FILE")
+      ->excludes("--model");
+  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
+      ->type_name("NAME...");
+  app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");
+  addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of stored photographs; 0 = as they are");
+  declareTextureFormat(app, choices.build.texture);
+  addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
+                 "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
+  app.add_flag_callback(
+      "--no-backdrops", [&choices] { choices.build.backdrops = false; },
+      "Make no backdrops: where cells show nothing, holes stay");
+  addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
+                 {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
+                 "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
+}
+
+BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photographs, const Context& context) {
+  check(fs::is_directory(photographs), ErrorCode::io, "{}: is not a folder of photographs", photographs.string());
+  BuildOptions build = choices.build;
+  build.photographs = photographs;
+  build.panoramas = choices.panoramas;
+  build.model = choices.model;
+  if (choices.model.empty() && choices.panoramas.empty()) build.model = findModel(photographs, context);
+  build.seed = context.options().seed;
+  build.threads = context.options().threads;
+  if (!choices.excludeFrom.empty())
+    for (std::string& name : namesIn(choices.excludeFrom)) build.exclude.push_back(std::move(name));
+  return build;
+}
+
+}  // namespace ibr::app

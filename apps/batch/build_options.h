@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options of building, for all commands that build scenes: declared once, so that they build the same.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "batch/context.h"
+#include "ibr/author.h"
+
+namespace ibr::app {
+
+struct BuildChoices {
+  BuildOptions build;  // photographs, model, panoramas, output, seed and threads are not set yet
+  std::string model, panoramas, excludeFrom;
+};
+
+/// All but the photographs' and the scene's folder.
+void declareBuildOptions(CLI::App& app, BuildChoices& choices);
+
+/// Complete but for the output. Looks for a model near the photographs where none is given. Throws Error.
+BuildOptions buildOptionsOf(const BuildChoices& choices, const std::filesystem::path& photographs,
+                            const Context& context);
+
+}  // namespace ibr::app
