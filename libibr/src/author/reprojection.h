@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// From a view's pixel and inverse depth to where a photograph sees the same point, ray by ray.
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "ibr/camera.h"
+
+namespace ibr {
+
+/// Both are pinholes. The point at inverse depth w (along the view's axis, 0 = at infinity) of a pixel lies in the
+/// direction ray(pixel) from the view and ray(pixel) + w·shift() from the photograph, in the photograph's axes.
+class Reprojection {
+ public:
+  Reprojection(const Camera& view, const Camera& photograph) : view_(view.intrinsics), photograph_(photograph.intrinsics) {
+    const glm::dquat toPhotograph = glm::conjugate(photograph.pose.rotation);
+    turn_ = glm::mat3_cast(toPhotograph * view.pose.rotation);
+    shift_ = toPhotograph * (view.pose.position - photograph.pose.position);
+  }
+
+  glm::dvec3 ray(glm::dvec2 pixel) const {
+    return turn_ * glm::dvec3((pixel.x - view_.cx) / view_.fx, (view_.cy - pixel.y) / view_.fy, -1.0);
+  }
+  const glm::dvec3& shift() const { return shift_; }
+
+  /// Of a direction in the photograph's axes. Precondition: direction.z < 0, that is before the photograph.
+  glm::dvec2 pixel(const glm::dvec3& direction) const {
+    return {photograph_.cx - photograph_.fx * direction.x / direction.z,
+            photograph_.cy + photograph_.fy * direction.y / direction.z};
+  }
+  bool inside(glm::dvec2 pixel) const {
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x <= photograph_.width && pixel.y <= photograph_.height;
+  }
+
+ private:
+  Intrinsics view_, photograph_;
+  glm::dmat3 turn_;
+  glm::dvec3 shift_;
+};
+
+/// Bilinear, the border's values beyond the centres of its pixels; `at` in px, centres at halves.
+inline glm::dvec3 bilinear(const Image8& picture, glm::dvec2 at) {
+  const double u = std::clamp(at.x - 0.5, 0.0, picture.width - 1.0), v = std::clamp(at.y - 0.5, 0.0, picture.height - 1.0);
+  const int x = std::min(int(u), picture.width - 1), y = std::min(int(v), picture.height - 1);
+  const int right = std::min(x + 1, picture.width - 1), below = std::min(y + 1, picture.height - 1);
+  const double s = u - x, t = v - y;
+  glm::dvec3 colour;
+  for (std::size_t c = 0; c < 3; ++c)
+    colour[int(c)] = (1 - t) * ((1 - s) * picture.pixel(x, y)[c] + s * picture.pixel(right, y)[c]) +
+                     t * ((1 - s) * picture.pixel(x, below)[c] + s * picture.pixel(right, below)[c]);
+  return colour;
+}
+
+}  // namespace ibr
