@@ -50,9 +50,15 @@ vec4 texel(sampler2D image, ivec2 pixel, vec4 back) {
   return drawn.a == 0.0 ? back : drawn;
 }
 
+// Of both pictures; where the former one is empty it cannot be mixed, and the new one is all there is.
+vec4 shownAt(ivec2 pixel, vec4 back) {
+  const vec4 now = texel(canvas, pixel, back);
+  return kFormer ? vec4(mix(now.rgb, texel(formerCanvas, pixel, now).rgb, formerWeight), now.a) : now;
+}
+
 // Colours are interpolated, what is empty between them too; a tier code is the nearest pixel's.
-vec4 picture(sampler2D image, vec2 at, vec4 back) {
-  vec4 shown = texel(image, ivec2(at), back);
+vec4 picture(vec2 at, vec4 back) {
+  vec4 shown = shownAt(ivec2(at), back);
   if (kScaled) {
     const ivec2 low = ivec2(floor(at - 0.5)), last = ivec2(canvasExtent) - 1;
     const vec2 share = fract(at - 0.5);
@@ -60,7 +66,7 @@ vec4 picture(sampler2D image, vec2 at, vec4 back) {
     for (int y = 0; y < 2; ++y)
       for (int x = 0; x < 2; ++x) {
         const float weight = (x == 0 ? 1.0 - share.x : share.x) * (y == 0 ? 1.0 - share.y : share.y);
-        sum += weight * texel(image, clamp(low + ivec2(x, y), ivec2(0), last), back).rgb;
+        sum += weight * shownAt(clamp(low + ivec2(x, y), ivec2(0), last), back).rgb;
       }
     shown.rgb = sum;
   }
@@ -69,8 +75,6 @@ vec4 picture(sampler2D image, vec2 at, vec4 back) {
 
 void main() {
   const vec2 at = kScaled ? gl_FragCoord.xy * (canvasExtent / targetExtent) : gl_FragCoord.xy;
-  const vec4 back = behind(at);
-  vec4 shown = picture(canvas, at, back);
-  if (kFormer) shown.rgb = mix(shown.rgb, picture(formerCanvas, at, back).rgb, formerWeight);
+  const vec4 shown = picture(at, behind(at));
   outColour = vec4(kEncodedByTarget ? decode(shown.rgb) : shown.rgb, keepTier != 0 ? shown.a : 1.0);
 }

@@ -331,10 +331,12 @@ Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textu
   std::optional<Picture> former;
   if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view);
   for (std::size_t at = 0; at < picture.colour.size(); ++at) {
-    const auto shown = [&](const glm::dvec4& colour) { return colour.a > 0 ? glm::dvec3(colour) : background; };
-    glm::dvec3 colour = shown(picture.colour[at]);
+    const auto shown = [](const glm::dvec4& colour, const glm::dvec3& behind) {
+      return colour.a > 0 ? glm::dvec3(colour) : behind;
+    };
+    glm::dvec3 colour = shown(picture.colour[at], background);
     if (former) {
-      colour = glm::mix(colour, shown(former->colour[at]), plan.formerWeight);
+      colour = glm::mix(colour, shown(former->colour[at], colour), plan.formerWeight);
       picture.safe[at] &= former->safe[at];
       picture.range[at] = std::max(picture.range[at], former->range[at]);
       picture.levelRange[at] = std::max(picture.levelRange[at], former->levelRange[at]);

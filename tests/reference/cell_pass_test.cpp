@@ -86,6 +86,19 @@ TEST_CASE("while a switch is mixed both orders show") {
   compareWithTwin(stage, plan);
 }
 
+TEST_CASE("where the order before a switch shows nothing, the new one is there at once") {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}};
+  const Stage stage(testDevice(), makeScene(options));
+  const FramePlan plan = stage.plan(cameraAt({0.6, 0.45, 0.35}), withTiers());
+  FramePlan mixing = plan;
+  mixing.former.clear();
+  mixing.formerWeight = 0.7;
+  CHECK(stage.render(mixing) == stage.render(plan));
+  mixing.former = {plan.cells.back()};  // covers a part
+  compareWithTwin(stage, mixing);
+}
+
 TEST_CASE("cells that leave are drawn where they were, and a member that is replaced fades") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};

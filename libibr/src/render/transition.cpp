@@ -98,7 +98,11 @@ std::vector<ShownCell> showCells(std::span<const ShownCell> before, const Wanted
     for (const std::uint32_t cell : wanted.cells) shown.push_back({cell, 1.0, false});
     return shown;
   }
-  shown = faded(merged(before, wanted), step);
+  shown = merged(before, wanted);
+  // Nothing of the frame before is left in view: a fade would begin with an empty picture.
+  if (std::ranges::none_of(shown, [](const ShownCell& entry) { return entry.opacity >= 1; }))
+    return showCells({}, wanted, step);
+  shown = faded(std::move(shown), step);
   // The faintest go first; of those that are whole, the one furthest back.
   const auto isLeaving = [](const ShownCell& entry) { return entry.leaving; };
   while (std::ranges::count_if(shown, isLeaving) > std::ptrdiff_t(kLargestLeavingCount)) {

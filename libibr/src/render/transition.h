@@ -25,8 +25,8 @@ struct WantedOrder {
 };
 
 /// What this frame shows: the wanted cells in their order, and between them those that leave, at most
-/// kLargestLeavingCount. `step` is the share of a fade that this frame goes; 1 or more cuts, and so does an empty
-/// `before`.
+/// kLargestLeavingCount. `step` is the share of a fade that this frame goes; 1 or more cuts, and so does a `before` that
+/// is empty or leaves nothing in view.
 std::vector<ShownCell> showCells(std::span<const ShownCell> before, const WantedOrder& wanted, double step);
 
 }  // namespace ibr

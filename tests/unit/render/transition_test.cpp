@@ -68,6 +68,13 @@ TEST_CASE("a cell that comes forward fades in, and stays where it was until then
   CHECK(leavingCount(shown) == 0);
 }
 
+TEST_CASE("where nothing of the frame before is left in view, what was hidden is there at once") {
+  const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
+  CHECK(show(before, {3, 4}, 0.25, true, false) == std::vector<ShownCell>{{3, 1, false}, {4, 1, false}});
+  CHECK(show(before, {}, 0.25, true, false).empty());
+  CHECK(show(before, {3, 1}, 0.25, true, false) == std::vector<ShownCell>{{3, 0.25, false}, {1, 1, false}});
+}
+
 TEST_CASE("what was left out fades in, what comes into view is there; what is out of view is gone") {
   const std::vector<ShownCell> before = show({}, {1, 2}, 0.25);
   CHECK(show(before, {1, 3}, 0.25, true) == std::vector<ShownCell>{{1, 1, false}, {2, 1, true}, {3, 0.25, false}});
