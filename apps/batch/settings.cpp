@@ -104,8 +104,10 @@ void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
   addChoice<TextureFilter>(app, "--filter", options.filter,
                            {{"auto", TextureFilter::automatic},
                             {"bilinear", TextureFilter::bilinear},
-                            {"trilinear", TextureFilter::trilinear}},
-                           "Sample one mip level of a photograph, or two [auto: one on software devices]");
+                            {"trilinear", TextureFilter::trilinear},
+                            {"bicubic", TextureFilter::bicubic}},
+                           "Sample one mip level of a photograph, or two; bicubic is sharper where a photograph is "
+                           "magnified [auto: one on software devices]");
 }
 
 void declareTextureFormat(CLI::App& app, TextureFormat& format) {
@@ -140,6 +142,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
                                                                 : "auto"},
           {"filter", gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
                      : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
+                     : gpuScene.filter == TextureFilter::bicubic   ? "bicubic"
                                                                    : "auto"}};
 }
 

@@ -18,6 +18,8 @@ layout(constant_id = 3) const int kPanoramas = 0;
 // How colours become one: a constant, because some devices (lavapipe) run both sides of every branch.
 layout(constant_id = 4) const uint kBlending = kBlend;
 
+layout(constant_id = 9) const bool kCubic = false;  // sharper where a photograph is magnified
+
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
 layout(location = 5) flat in float inDetail;
@@ -38,6 +40,13 @@ vec3 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
   return textureGrad(photograph3, coordinate, dx, dy).rgb;
 }
 
+vec3 texel(int slot, ivec3 at) {
+  if (slot == 0) return texelFetch(photograph0, at, 0).rgb;
+  if (slot == 1) return texelFetch(photograph1, at, 0).rgb;
+  if (slot == 2) return texelFetch(photograph2, at, 0).rgb;
+  return texelFetch(photograph3, at, 0).rgb;
+}
+
 bool isPanorama(int member) { return (kPanoramas >> member & 1) != 0; }
 
 vec2 photographSize(int member) {
@@ -45,6 +54,30 @@ vec2 photographSize(int member) {
   if (member == 1) return vec2(textureSize(photograph1, 0).xy);
   if (member == 2) return vec2(textureSize(photograph2, 0).xy);
   return vec2(textureSize(photograph3, 0).xy);
+}
+
+// Of a texel and the three around it, `t` beyond the second: Catmull-Rom, Keys 1981 with a = −1/2.
+vec4 cubicWeights(float t) {
+  return 0.5 * vec4(t * (t * (2.0 - t) - 1.0), t * t * (3.0 * t - 5.0) + 2.0, t * (t * (4.0 - 3.0 * t) + 1.0),
+                    t * t * (t - 1.0));
+}
+
+vec3 cubic(int slot, vec3 coordinate, bool around) {
+  const ivec2 size = ivec2(photographSize(slot));
+  const vec2 at = coordinate.xy * vec2(size) - 0.5;
+  const ivec2 first = ivec2(floor(at)) - 1;
+  const vec4 across = cubicWeights(fract(at.x)), down = cubicWeights(fract(at.y));
+  vec3 sum = vec3(0.0);
+  for (int y = 0; y < 4; ++y) {
+    vec3 row = vec3(0.0);
+    for (int x = 0; x < 4; ++x) {
+      ivec2 texelAt = first + ivec2(x, y);
+      if (around) texelAt.x = (texelAt.x + size.x) % size.x;
+      row += across[x] * texel(slot, ivec3(clamp(texelAt, ivec2(0), size - 1), int(coordinate.z + 0.5)));
+    }
+    sum += down[y] * row;
+  }
+  return clamp(sum, 0.0, 1.0);
 }
 
 struct Sampling {
@@ -77,7 +110,16 @@ Sampling sampling(int member, float detail) {
 vec3 tap(int slot, int member, Sampling s, float k) {
   const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
   const vec3 coordinate = vec3(s.at.x + k * s.spacing, s.at.y, float(cells[inCell].member[member].layer));
-  return share * photograph(slot, coordinate, s.dx, s.dy);
+  vec3 colour = photograph(slot, coordinate, s.dx, s.dy);
+  if (kCubic) {  // as far as the finest level shows
+    const vec2 size = photographSize(slot);
+    const float coarser = log2(max(max(length(s.dx * size), length(s.dy * size)), 1.0));
+    if (coarser < 1.0) {
+      const vec3 linear = photograph(slot, coordinate, vec2(0.0), vec2(0.0));
+      colour += (1.0 - coarser) * (cubic(slot, coordinate, isPanorama(member)) - linear);
+    }
+  }
+  return share * colour;
 }
 
 float noise(uvec2 pixel) {

@@ -59,11 +59,37 @@ Texel bilinear(const Image8& image, glm::dvec2 at, bool around) {  // at: 0 to 1
   return result;
 }
 
+// Keys 1981, eq. 4 with a = −1/2: weight of a sample at distance x.
+double keys(double x) {
+  x = std::abs(x);
+  if (x < 1) return 1.5 * x * x * x - 2.5 * x * x + 1;
+  return x < 2 ? -0.5 * x * x * x + 2.5 * x * x - 4 * x + 2 : 0;
+}
+
+Texel bicubic(const Image8& image, glm::dvec2 at, bool around) {
+  const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
+  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
+  Texel result;
+  glm::dvec3 low(255), high(0);
+  for (int j = y0 - 1; j <= y0 + 2; ++j)
+    for (int i = x0 - 1; i <= x0 + 2; ++i) {
+      const int column = around ? wrapped(i, image.width) : std::clamp(i, 0, image.width - 1);
+      const auto p = image.pixel(column, std::clamp(j, 0, image.height - 1));
+      const glm::dvec3 value(p[0], p[1], p[2]);
+      result.colour += keys(x - i) * keys(y - j) * value / 255.0;
+      low = glm::min(low, value);
+      high = glm::max(high, value);
+    }
+  result.colour = glm::clamp(result.colour, 0.0, 1.0);
+  result.range = largest(high - low);
+  return result;
+}
+
 // `footprint`: texels of the finest level between neighbouring pixels.
-Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around) {
+Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around, bool cubic) {
   const double lod = std::clamp(std::log2(std::max(footprint, 1e-30)), 0.0, double(levels.size() - 1));
   const auto fine = std::size_t(lod);
-  const Texel a = bilinear(levels[fine], at, around);
+  const Texel a = cubic && fine == 0 ? bicubic(levels[0], at, around) : bilinear(levels[fine], at, around);
   if (fine + 1 >= levels.size() || lod == double(fine)) return a;
   const Texel b = bilinear(levels[fine + 1], at, around);
   const double t = lod - double(fine);
@@ -74,7 +100,7 @@ Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footpri
 
 // `here`: q_i at the pixel; `dx`, `dy`: differences of its unit ray to the neighbouring pixels. See shared/panorama.h.
 Texel samplePanorama(const std::vector<Image8>& levels, const Intrinsics& k, glm::dvec3 here, glm::dvec3 dx,
-                     glm::dvec3 dy) {
+                     glm::dvec3 dy, bool cubic) {
   const glm::dvec3 ray = glm::normalize(here);
   const double longitude = std::atan2(ray.x, -ray.z), cosine = std::hypot(ray.x, ray.z);
   const glm::dvec3 east(std::cos(longitude), 0, std::sin(longitude));
@@ -88,12 +114,12 @@ Texel samplePanorama(const std::vector<Image8>& levels, const Intrinsics& k, glm
   const double wanted = 0.5 * std::max(width / apart - 1.5, 0.0), most = double(shader::kLargestPanoramaReach);
   const double reach = std::min(wanted, most), spacing = apart / k.width * std::max(wanted / most, 1.0);
   const glm::dvec2 at = *project(k, ray) / glm::dvec2(k.width, k.height);
-  Texel sum = trilinear(levels, at, footprint, true);
+  Texel sum = trilinear(levels, at, footprint, true, cubic);
   double total = 1;
   for (int tap = 1; tap < reach + 1; ++tap)
     for (const double side : {-1.0, 1.0}) {
       const double weight = std::min(reach + 1 - tap, 1.0);
-      sum = mixed(sum, 1, trilinear(levels, at + glm::dvec2(side * tap * spacing, 0), footprint, true), weight);
+      sum = mixed(sum, 1, trilinear(levels, at + glm::dvec2(side * tap * spacing, 0), footprint, true, cubic), weight);
       total += weight;
     }
   sum.colour /= total;
@@ -117,11 +143,12 @@ struct Step {
   double opacity;
   int rank;
   double extrapolation;
+  bool cubic;
   Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
 
 std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::vector<PlannedCell>& cells,
-                          std::size_t view) {
+                          std::size_t view, bool cubic) {
   std::vector<Step> steps;
   const auto alone = [](std::size_t member) {
     PlannedCell::View weights;
@@ -132,11 +159,11 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
     for (const PlannedCell& c : cells)
       steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
                        tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
-                       int(&c - cells.data()), c.extrapolationDistance});
+                       int(&c - cells.data()), c.extrapolationDistance, cubic});
   if (plan.settings.lowestTier >= kTierBackdrop)
     for (int of = 0; of <= 1; ++of)
       for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, of, alone(0), 1, int(b), 0});
+        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, of, alone(0), 1, int(b), 0, cubic});
   return steps;
 }
 
@@ -160,7 +187,7 @@ Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& lev
   };
   if (k.model == CameraModel::equirectangular) {
     const auto [dx, dy] = difference([&](glm::dvec2 pixel) { return glm::normalize(pointAt(t, member, pixel)); });
-    return samplePanorama(levels, k, pointAt(t, member, here), dx, dy);
+    return samplePanorama(levels, k, pointAt(t, member, here), dx, dy, step.cubic);
   }
   auto coordinate = [&](glm::dvec2 pixel) {
     const glm::dvec3 q = pointAt(t, member, pixel);
@@ -168,7 +195,8 @@ Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& lev
   };
   const auto [dx, dy] = difference(coordinate);
   const glm::dvec2 size(levels[0].width, levels[0].height);
-  return trilinear(levels, coordinate(here), std::max(glm::length(dx * size), glm::length(dy * size)), false);
+  return trilinear(levels, coordinate(here), std::max(glm::length(dx * size), glm::length(dy * size)), false,
+                   step.cubic);
 }
 
 const std::vector<std::uint16_t>& noiseRanks() {
@@ -286,7 +314,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
 }
 
 Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-               const std::vector<PlannedCell>& cells, std::size_t viewIndex) {
+               const std::vector<PlannedCell>& cells, std::size_t viewIndex, bool cubic) {
   const Camera& view = plan.views[viewIndex];
   const int width = view.intrinsics.width, height = view.intrinsics.height;
   const std::size_t count = std::size_t(width) * std::size_t(height);
@@ -299,7 +327,7 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
                   std::vector<Known>(count)};
   std::vector<Owner> owners(count);
   const glm::ivec2 noise = noiseOffset(plan, viewIndex);
-  const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex);
+  const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex, cubic);
   for (std::size_t s = 0; s < steps.size(); ++s) drawStep(steps[s], int(s), textures, view, noise, picture, owners);
   for (int y = 1; y + 1 < height; ++y)
     for (int x = 1; x + 1 < width; ++x) {
@@ -325,11 +353,12 @@ std::vector<PlannedCell> drawn(const FramePlan& plan) {
 }  // namespace
 
 Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-               std::size_t view) {
-  Picture picture = canvas(scene, textures, plan, drawn(plan), view);
+               std::size_t view, TextureFilter filter) {
+  const bool cubic = filter == TextureFilter::bicubic;
+  Picture picture = canvas(scene, textures, plan, drawn(plan), view, cubic);
   const glm::dvec3 background(plan.settings.background);
   std::optional<Picture> former;
-  if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view);
+  if (plan.formerWeight > 0) former = canvas(scene, textures, plan, plan.former, view, cubic);
   for (std::size_t at = 0; at < picture.colour.size(); ++at) {
     const auto shown = [](const glm::dvec4& colour, const glm::dvec3& behind) {
       return colour.a > 0 ? glm::dvec3(colour) : behind;

@@ -29,8 +29,8 @@ struct Picture {
 };
 
 /// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource
-/// gives it. While a switch is mixed, `safe` and `range` hold for both pictures.
+/// gives it; `filter`: trilinear or bicubic. While a switch is mixed, `safe` and `range` hold for both pictures.
 Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textures, const FramePlan& plan,
-               std::size_t view = 0);
+               std::size_t view = 0, TextureFilter filter = TextureFilter::trilinear);
 
 }  // namespace ibr::reference

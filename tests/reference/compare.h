@@ -17,7 +17,7 @@ namespace ibr::test {
 inline void compareWithTwin(const Stage& stage, const FramePlan& plan, double leastDrawn = 0.25, double leastSafe = 0.5,
                             std::size_t view = 0) {
   const Image8 picture = plan.views.size() == 1 ? stage.render(plan) : stage.renderViews(plan)[view];
-  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan, view);
+  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan, view, stage.filter());
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(testDevice().physicalDevice(), &properties);
   const double step = std::exp2(-double(properties.limits.subTexelPrecisionBits));

@@ -50,6 +50,7 @@ class Stage {
       : place_(std::move(place)),
         textures_(mipsOf(place_)),
         bounds_(sceneBounds(place_.scene)),
+        filter_(options.filter == TextureFilter::automatic ? TextureFilter::trilinear : options.filter),
         gpuScene_(device, place_.scene, withTextures(std::move(options))),
         device_(&device) {}
   Stage(const Stage&) = delete;
@@ -59,6 +60,7 @@ class Stage {
   const SyntheticScene& place() const { return place_; }
   const std::vector<std::vector<Image8>>& textures() const { return textures_; }
   const GpuScene& gpuScene() const { return gpuScene_; }
+  TextureFilter filter() const { return filter_; }
 
   /// Of the photographs, as they are. The stage must outlive it.
   TextureSource source() const {
@@ -99,7 +101,7 @@ class Stage {
  private:
   GpuSceneOptions withTextures(GpuSceneOptions options) const {
     if (!options.source) options.source = source();
-    if (options.filter == TextureFilter::automatic) options.filter = TextureFilter::trilinear;  // as the twin has it
+    options.filter = filter_;
     return options;
   }
   static std::vector<std::vector<Image8>> mipsOf(const SyntheticScene& place) {
@@ -111,6 +113,7 @@ class Stage {
   SyntheticScene place_;
   std::vector<std::vector<Image8>> textures_;
   SceneBounds bounds_;
+  TextureFilter filter_;  // not what a software device takes for speed
   GpuScene gpuScene_;
   Device* device_;
 };

@@ -8,6 +8,7 @@
 #include "gpu/readback.h"
 #include "gpu/submit.h"
 #include "ibr/metrics.h"
+#include "reference/compare.h"
 #include "reference/stage.h"
 #include "render/pages.h"
 #include "render/photograph_stream.h"
@@ -159,6 +160,47 @@ TEST_CASE("a filter in one mip level differs from one between two, but little") 
   const Image8 picture =
       offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   CHECK(picture == (software ? bilinear : trilinear).render(view));
+}
+
+TEST_CASE("the bicubic filter shows what the twin computes, large and small, and a photograph from its own place") {
+  const Stage stage(testDevice(), makeScene(test::place(3)), {.filter = TextureFilter::bicubic});
+  for (const int width : {640, 320, 240})  // magnified; between two levels; smaller
+    compareWithTwin(stage, stage.plan(cameraAt({0.4, 0.25, 0.1}, 0.03, 0, width, width * 3 / 4), withTiers()));
+  SyntheticOptions room;
+  for (const double x : {0.0, 1.0}) {
+    Camera camera = cameraAt({x, 0, 0}, 3);  // the seam is ahead
+    camera.intrinsics = {CameraModel::equirectangular, 256, 128};
+    room.cameras.push_back(camera);
+  }
+  room.planes = roomPlanes({-3, -1.5, -2.5}, {4, 1.9, 3.5}, 0.5);
+  room.surfaceStep = 1;
+  const Stage panoramas(testDevice(), makeScene(room), {.filter = TextureFilter::bicubic});
+  compareWithTwin(panoramas, panoramas.plan(cameraAt({0.4, 0.1, 0}, 0, 0, 160, 121, 1.2), withTiers()));
+
+  const Image8& photograph = stage.place().photographs[0];
+  const Image8 own = stage.render(stage.scene().nodes[0].camera, withTiers());
+  for (int y = 0; y < own.height; ++y)
+    for (int x = 0; x < own.width; ++x)
+      if (own.pixel(x, y)[3] == 255)  // tier 0
+        for (std::size_t c = 0; c < 3; ++c)
+          REQUIRE(std::abs(own.pixel(x, y)[c] - photograph.pixel(x, y)[c]) <= 1);
+}
+
+TEST_CASE("where a photograph is magnified the bicubic filter is nearer to the truth than the trilinear one") {
+  SyntheticOptions options = test::place(3);
+  for (TexturedPlane& plane : options.planes) plane.wavelength = 0.2;
+  const SyntheticScene place = makeScene(options);
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03, 0, 640, 480);
+  const Image8 truth = renderTruth(place, view);
+  RenderSettings settings;
+  settings.alpha = AlphaContent::tier;
+  const auto score = [&](TextureFilter filter) {
+    const Image8 picture = Stage(testDevice(), place, {.filter = filter}).render(view, settings);
+    Image8 mask(picture.width, picture.height, 1);
+    for (std::size_t i = 0; i < mask.values.size(); ++i) mask.values[i] = picture.values[4 * i + 3] == 255;
+    return psnr(picture, truth, mask);
+  };
+  CHECK(score(TextureFilter::bicubic) > score(TextureFilter::trilinear) + 1);
 }
 
 TEST_CASE("what is allocated is what was predicted, but for alignment") {

@@ -52,6 +52,8 @@ enum class TextureFilter : std::uint8_t {
   automatic,  // trilinear, but bilinear on software devices
   bilinear,   // in the nearest mip level
   trilinear,
+  bicubic,  // trilinear, and by Catmull-Rom splines (Keys 1981, a = −1/2) where the finest level is magnified: sharper,
+            // for 16 more reads of a photograph a pixel
 };
 
 struct GpuSceneOptions {

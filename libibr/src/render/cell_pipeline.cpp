@@ -23,14 +23,19 @@ struct Constants {  // specialisation constants of the cell shaders
   std::uint32_t blending;
   VkBool32 mapped;
   std::uint32_t viewStride;
+  VkBool32 cubic;
 };
 
 }  // namespace
 
 CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
   const std::size_t members = step.mesh->cameras.size();
-  return {members, step.mesh->panoramas, step.mesh->onePage, step.opacity < 1.0f,
-          members == 1 ? BlendMode::blend : blend};
+  return {.members = members,
+          .panoramas = step.mesh->panoramas,
+          .cubic = step.mesh->cubic,
+          .onePage = step.mesh->onePage,
+          .dissolve = step.opacity < 1.0f,
+          .blend = members == 1 ? BlendMode::blend : blend};
 }
 
 std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayDissolve,
@@ -40,7 +45,7 @@ std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayD
   std::vector<CellVariant> variants;
   for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
     for (const bool dissolve : {false, true})
-      if (!dissolve || mayDissolve) variants.push_back({members, mesh.panoramas, mesh.onePage, dissolve, blend});
+      if (!dissolve || mayDissolve) variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, blend});
   return variants;
 }
 
@@ -53,15 +58,17 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
-  constexpr std::array<VkSpecializationMapEntry, 7> kEntries{{{0, offsetof(Constants, members), 4},
+  constexpr std::array<VkSpecializationMapEntry, 8> kEntries{{{0, offsetof(Constants, members), 4},
                                                               {1, offsetof(Constants, onePage), 4},
                                                               {2, offsetof(Constants, dissolve), 4},
                                                               {3, offsetof(Constants, panoramas), 4},
                                                               {4, offsetof(Constants, blending), 4},
                                                               {7, offsetof(Constants, mapped), 4},
-                                                              {8, offsetof(Constants, viewStride), 4}}};
+                                                              {8, offsetof(Constants, viewStride), 4},
+                                                              {9, offsetof(Constants, cubic), 4}}};
   const Constants constants{std::int32_t(members),        variant.onePage, variant.dissolve, variant.panoramas,
-                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride};
+                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride,
+                            variant.cubic};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:

@@ -18,6 +18,7 @@ namespace ibr {
 struct CellVariant {
   std::size_t members;
   std::uint32_t panoramas;  // bit i: member i is one
+  bool cubic;               // TextureFilter::bicubic
   bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
   bool dissolve;            // opacity below 1
   BlendMode blend;

@@ -73,6 +73,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
   for (std::vector<Mesh>* meshes : {&cells, &backdrops})
     for (Mesh& mesh : *meshes) {
       const std::uint32_t first = mesh.members[0];
+      mesh.cubic = options.filter == TextureFilter::bicubic;
       mesh.onePage = std::ranges::all_of(mesh.members, [&](std::uint32_t member) {
         return member == first ||
                (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
