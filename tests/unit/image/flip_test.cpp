@@ -97,7 +97,7 @@ TEST_CASE("FLIP: what is too fine for the eye counts less, and edges count more 
 }
 
 TEST_CASE("FLIP of tiny pictures, and of pictures with alpha") {
-  for (const auto [width, height] : {std::pair{1, 1}, {1, 5}, {3, 2}}) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 5}, {3, 2}}) {
     const Image8 a = flat(width, height, 10, 200, 30), b = flat(width, height, 12, 90, 30);
     const double value = flip(a, b);
     CHECK(value == Approx(flip(flat(50, 50, 10, 200, 30), flat(50, 50, 12, 90, 30))).epsilon(1e-4));
