@@ -15,7 +15,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 1;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 2;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 

@@ -4,7 +4,9 @@
 //   1. vertices by quadtree, their depths refined; Delaunay on their positions in the mean frame
 //   2. repair: while triangles fold over in some member, drop the vertex of each that most of them share
 //   3. label each triangle by how well the members agree in it; what folds over or disagrees becomes tier 1
-//   4. ρ and a_i of every vertex
+//   4. layers: what was rejected because it spans a depth edge is cut there (layers.h), its pieces labelled likewise
+//   5. ρ and a_i of every vertex
+// Positions stand on a grid (orientation.h): no triangle of tier 0 folds over in a member or the mean frame.
 #pragma once
 
 #include <span>
