@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/check.h"
@@ -47,9 +48,15 @@ bool holdsColmapModel(const fs::path& folder) {
   return fs::exists(folder / "cameras.txt", ignored) || fs::exists(folder / "cameras.bin", ignored);
 }
 
+bool isTransforms(const fs::path& file) {
+  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
+  return json.is_object() && json.contains("frames");
+}
+
 std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCallback& log) {
   std::error_code ignored;
-  if (!fs::is_directory(poses, ignored)) {
+  const bool folder = fs::is_directory(poses, ignored);
+  if (!folder && !isTransforms(poses)) {
     CameraPath path = readCameraPath(poses);
     if (size.width > 0) {
       path.width = size.width;
@@ -58,7 +65,7 @@ std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCa
     return frames(path);
   }
   std::vector<View> views;
-  for (PosedImage& image : readColmapModel(poses, log).images) {
+  for (PosedImage& image : (folder ? readColmapModel(poses, log) : readTransforms(poses)).images) {
     if (size.width > 0) image.camera.intrinsics = withSize(image.camera.intrinsics, size);
     views.push_back({std::move(image.name), image.camera});
   }

@@ -13,7 +13,8 @@
 
 namespace ibr::app {
 
-/// `poses`: a COLMAP model's folder, or a camera path. A size other than 0 replaces that of the poses: the vertical
+/// `poses`: a COLMAP model's folder, transforms.json, or a camera path. Views of cameras that distort are those of the
+/// undistorted photographs. A size other than 0 replaces that of the poses: the vertical
 /// field of view stays and pixels keep their shape. Throws Error.
 std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log);
 
@@ -28,6 +29,9 @@ using Frame = std::vector<View>;
 /// becomes NAME_l and NAME_r, half of `ipd` (world units, > 0) to either side. Throws Error{invalidInput} where one eye
 /// of a pair is missing, and where an ipd is needed and 0.
 std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double ipd);
+
+/// Whether a file is transforms.json (of nerfstudio, instant-ngp): an object with "frames". Throws Error{io}.
+bool isTransforms(const std::filesystem::path& file);
 
 /// A folder that holds a COLMAP model (cameras, images, points3D as .txt or .bin).
 bool holdsColmapModel(const std::filesystem::path& folder);

@@ -60,7 +60,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   RenderSettings settings = options.settings;
   if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
-  const bool isPath = options.poses.empty() || !fs::is_directory(options.poses);
+  const bool isPath = options.poses.empty() || !(fs::is_directory(options.poses) || isTransforms(options.poses));
   std::vector<View> asked = options.autoFrames > 0
                                 ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                                 : readViews(options.poses, options.size, context.log());
@@ -137,7 +137,7 @@ const Command kRenderCommand{
         "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
         "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures",
     .details =
-        "--poses takes a COLMAP model's folder or a camera path:\n"
+        "--poses takes a COLMAP model's folder, transforms.json, or a camera path:\n"
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
         "with cameras that look along -z, y up. Pictures are named after the poses.\n"
@@ -156,7 +156,7 @@ const Command kRenderCommand{
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Scene folder")->required();
       auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, or a camera path")->type_name("FILE|DIR");
+          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, or a camera path")->type_name("FILE|DIR");
       auto* path = app.add_option_function<std::string>(
                           "--path",
                           [options](const std::string& text) {

@@ -6,6 +6,7 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/poses.h"
+#include "ibr/author.h"
 #include "io/image_file.h"
 
 namespace fs = std::filesystem;
@@ -21,7 +22,11 @@ Truth::Truth(const fs::path& folder, const std::vector<std::string>& names, cons
         folder.string());
   images_ = fs::is_directory(folder / "images") ? folder / "images" : folder;
 
-  std::vector<View> all = readViews(model, {}, log);
+  std::vector<View> all;
+  for (PosedImage& image : readColmapModel(model, log).images) {
+    if (image.lens) lenses_.emplace(image.name, *image.lens);
+    all.push_back({std::move(image.name), image.camera});
+  }
   for (const std::string& name : names)
     check(std::ranges::find(all, name, &View::name) != all.end(), ErrorCode::invalidInput,
           "{}: has no view {} (--views)", model.string(), name);
@@ -42,9 +47,12 @@ Image8 Truth::picture(const View& view) const {
   const fs::path file = pathInside(images_, view.name);
   Image8 image = readImage(file);
   const Intrinsics& k = view.camera.intrinsics;
-  check(image.width == k.width && image.height == k.height, ErrorCode::invalidInput,
-        "{}: is {}×{} px, but its camera {}×{}", file.string(), image.width, image.height, k.width, k.height);
-  return image;
+  const auto lens = lenses_.find(view.name);
+  const bool distorted = lens != lenses_.end();
+  const int width = distorted ? lens->second.width() : k.width, height = distorted ? lens->second.height() : k.height;
+  check(image.width == width && image.height == height, ErrorCode::invalidInput,
+        "{}: is {}×{} px, but its camera {}×{}", file.string(), image.width, image.height, width, height);
+  return distorted ? undistort(image, lens->second, k) : image;
 }
 
 }  // namespace ibr::app

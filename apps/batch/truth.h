@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "ibr/image.h"
+#include "ibr/lens.h"
 #include "ibr/log.h"
 #include "shared/camera_path.h"
 
@@ -20,12 +22,14 @@ class Truth {
 
   const std::vector<View>& views() const { return views_; }
 
-  /// Throws Error{invalidInput} where the picture has not its camera's size: nothing is resampled.
+  /// The photograph, undistorted where its camera distorts. Throws Error{invalidInput} where the picture has not its
+  /// camera's size: nothing else is resampled.
   Image8 picture(const View& view) const;
 
  private:
   std::filesystem::path images_;
   std::vector<View> views_;
+  std::map<std::string, Lens> lenses_;  // by the views' names; of those that distort
 };
 
 }  // namespace ibr::app

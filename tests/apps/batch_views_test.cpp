@@ -101,6 +101,34 @@ TEST_CASE("a preset is all settings, and what is given beside it wins, wherever 
     CHECK((mixed["cells"] == 7 && mixed["renderScale"] == 0.7));
 }
 
+TEST_CASE("render takes transforms.json") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const Intrinsics k = test::tinySet().cameras[0].camera.intrinsics;
+  nlohmann::json json{{"w", k.width}, {"h", k.height}, {"fl_x", k.fx}, {"fl_y", k.fy}};
+  for (const auto& [name, camera] : test::tinySet().cameras) {
+    const glm::dvec3 p = camera.pose.position;  // none of them is turned
+    json["frames"].push_back({{"file_path", "./" + name},
+                              {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
+  }
+  writeFile(folder / "transforms.json", json.dump());
+  REQUIRE(runValidated({"render", test::tinyScene(), "--poses", folder / "transforms.json", "-o", folder / "a"}).code ==
+          0);
+  REQUIRE(runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse", "-o",
+                        folder / "b"})
+              .code == 0);
+  for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
+    INFO(name);
+    CHECK(readFile(folder / "a" / name) == readFile(folder / "b" / name));
+  }
+  json["frames"][1]["transform_matrix"][0][0] = 2;
+  writeFile(folder / "transforms.json", json.dump());
+  const auto outcome =
+      runValidated({"render", test::tinyScene(), "--poses", folder / "transforms.json", "-o", folder / "c"});
+  CHECK(outcome.code == 3);
+  CHECK_THAT(outcome.err, Contains("/frames/1/transform_matrix"));
+}
+
 TEST_CASE("render takes a camera path") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;

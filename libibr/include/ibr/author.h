@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/lens.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
@@ -18,7 +20,8 @@ namespace ibr {
 /// model.
 struct PosedImage {
   std::string name;  // as the model has it, with '/' for folders
-  Camera camera;
+  Camera camera;     // of the undistorted photograph; the tracks' pixels are in it too
+  std::optional<Lens> lens = std::nullopt;  // that took the photograph as it is in its file, where that is distorted
 };
 struct TrackObservation {
   std::uint32_t image;  // index into PosedModel::images
@@ -33,11 +36,14 @@ struct PosedModel {
   std::vector<Track> tracks;
 };
 
-/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. SIMPLE_PINHOLE, PINHOLE and
+/// Reads a COLMAP model (cameras, images, points3D as .txt or .bin) from a folder. All camera models of COLMAP 3.8 and
 /// EQUIRECTANGULAR (number 17 in binary files; with parameters width and height, or with none in text files); other
-/// models throw Error{unsupported} that names the camera. Images without a pose are skipped with a message, as are
-/// observations of points that are not there. Throws Error (io, invalidInput) with file and line, or byte.
-PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {});
+/// models throw Error{unsupported} that names the camera. Cameras that distort become the pinholes of the undistorted
+/// photographs, and observations move along; those that are not in them are left out. Images without a pose are skipped
+/// with a message, as are observations of points that are not there, and the rigs and frames of COLMAP 3.12 and later:
+/// images carry their own pose. Throws Error (io, invalidInput) with file and line, or byte.
+PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {},
+                           Border border = Border::crop);
 
 /// Reads equirectangular panoramas with their poses from a JSON file:
 ///   {"width": px, "height": px, "panoramas": [{"name": file, "position": [x, y, z],
@@ -48,10 +54,21 @@ PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallbac
 /// (io, invalidInput) with the JSON pointer of the fault.
 PosedModel readPanoramas(const std::filesystem::path& file);
 
+/// Reads transforms.json of nerfstudio or instant-ngp: frames with file_path and transform_matrix (camera to world, x
+/// right, y up, looking along −z), and w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y, camera_model (OPENCV,
+/// the default; OPENCV_FISHEYE, PINHOLE, EQUIRECTANGULAR), k1 … k4, p1, p2 in the frame or for all. Names are those of
+/// the pictures below `photographs`: file_path is taken from there or from the file's folder, with or without extension,
+/// and w and h may be missing; with no folder given, they are file_path itself. Cameras that distort become pinholes, as
+/// in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with the JSON pointer of the fault; a matrix
+/// that scales or shears by more than 1e-3 is one, and a picture that is not there.
+PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
+                          Border border = Border::crop);
+
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
   std::filesystem::path model;        // COLMAP model folder; or
-  std::filesystem::path panoramas;    // file that readPanoramas reads, instead of a model
+  std::filesystem::path transforms;   // file that readTransforms reads, instead of a model; or
+  std::filesystem::path panoramas;    // file that readPanoramas reads
   std::filesystem::path output;       // scene folder; made if missing
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most

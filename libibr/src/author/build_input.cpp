@@ -6,6 +6,7 @@
 #include <string>
 
 #include "author/posed_model.h"
+#include "author/read_poses.h"
 #include "base/check.h"
 
 namespace ibr {
@@ -38,11 +39,11 @@ std::vector<BuildReport::Dropped> unknownTo(const PosedModel& model, const fs::p
 BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   checkOptions(options);
   BuildInput input;
-  input.model = options.panoramas.empty() ? readColmapModel(options.model, log) : readPanoramas(options.panoramas);
+  input.model = readPoses(options, log);
   input.dropped = unknownTo(input.model, options.photographs);
   removeImages(input.model, options.exclude);
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
-        (options.panoramas.empty() ? options.model : options.panoramas).string());
+        posesFile(options).string());
   for (const PosedImage& image : input.model.images)
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
   input.tracksOf = tracksOfImages(input.model);

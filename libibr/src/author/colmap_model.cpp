@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 
@@ -26,7 +27,10 @@ using colmap::ImageRecord;
 using colmap::Records;
 
 void readRecords(const fs::path& folder, const LogCallback& log, Records& records) {
-  // Rigs and frames of newer versions may lie beside: images carry their own pose in every version.
+  if (log)
+    for (const char* name : {"rigs.bin", "frames.bin", "rigs.txt", "frames.txt"})
+      if (fs::exists(folder / name))
+        log(LogLevel::info, fmt::format("{}: not read; images carry their own pose", (folder / name).string()));
   for (const bool binary : {true, false}) {
     const std::string extension = binary ? ".bin" : ".txt";
     records.camerasFile = folder / ("cameras" + extension);
@@ -41,31 +45,33 @@ void readRecords(const fs::path& folder, const LogCallback& log, Records& record
   fail(ErrorCode::io, "{}: holds neither cameras.bin and images.bin nor cameras.txt and images.txt", folder.string());
 }
 
-Intrinsics toIntrinsics(const CameraRecord& camera) {
+struct ModelCamera {
+  Intrinsics intrinsics;  // undistorted
+  std::optional<Lens> lens;
+};
+
+ModelCamera toCamera(const CameraRecord& camera, Border border) {
   const std::string at = camera.place.describe();
-  const colmap::ModelKind& kind = colmap::kModelKinds[camera.kind];
-  const bool panorama = camera.kind == colmap::kEquirectangular;
-  check(camera.kind == colmap::kSimplePinhole || camera.kind == colmap::kPinhole || panorama, ErrorCode::unsupported,
-        "{}: camera {} is a {}; only SIMPLE_PINHOLE, PINHOLE and EQUIRECTANGULAR are read: undistort the photographs "
-        "first",
-        at, camera.id, kind.name);
   constexpr std::uint64_t kLargest = 1 << 16;
   check(camera.width >= 1 && camera.height >= 1 && camera.width <= kLargest && camera.height <= kLargest,
         ErrorCode::invalidInput, "{}: size {}x{} of camera {} is not within 1 to {}", at, camera.width, camera.height,
         camera.id, kLargest);
   const std::vector<double>& p = camera.parameters;
-  if (panorama) {
+  const int width = int(camera.width), height = int(camera.height);
+  if (camera.kind == colmap::kEquirectangular) {
     check(p.empty() || (p[0] == double(camera.width) && p[1] == double(camera.height)), ErrorCode::unsupported,
           "{}: camera {} is a panorama of {}x{} px in a picture of {}x{}; only whole ones are read", at, camera.id,
           p.empty() ? 0 : p[0], p.empty() ? 0 : p[1], camera.width, camera.height);
-    return {CameraModel::equirectangular, int(camera.width), int(camera.height), 0, 0, 0, 0};
+    return {{CameraModel::equirectangular, width, height, 0, 0, 0, 0}, std::nullopt};
   }
-  const bool simple = camera.kind == colmap::kSimplePinhole;
-  const Intrinsics k{CameraModel::pinhole, int(camera.width),    int(camera.height),  p[0],
-                     simple ? p[0] : p[1], simple ? p[1] : p[2], simple ? p[2] : p[3]};
-  check(k.fx > 0 && k.fy > 0, ErrorCode::invalidInput, "{}: focal lengths {} and {} of camera {} are not positive", at,
-        k.fx, k.fy, camera.id);
-  return k;
+  try {
+    const Lens lens(LensModel(camera.kind), width, height, p);
+    if (lens.distorts()) return {undistorted(lens, border), lens};
+    const glm::dvec2 f = lens.focal(), c = lens.centre();
+    return {{CameraModel::pinhole, width, height, f.x, f.y, c.x, c.y}, std::nullopt};
+  } catch (const Error& e) {
+    fail(e.code(), "{}: camera {}: {}", at, camera.id, e.what());
+  }
 }
 
 Pose toPose(const ImageRecord& image) {
@@ -80,13 +86,13 @@ Pose toPose(const ImageRecord& image) {
 
 }  // namespace
 
-PosedModel readColmapModel(const fs::path& folder, const LogCallback& log) {
+PosedModel readColmapModel(const fs::path& folder, const LogCallback& log, Border border) {
   Records records;
   readRecords(folder, log, records);
 
-  std::map<std::uint64_t, Intrinsics> cameras;
+  std::map<std::uint64_t, ModelCamera> cameras;
   for (const CameraRecord& camera : records.cameras)
-    check(cameras.emplace(camera.id, toIntrinsics(camera)).second, ErrorCode::invalidInput,
+    check(cameras.emplace(camera.id, toCamera(camera, border)).second, ErrorCode::invalidInput,
           "{}: CAMERA_ID {} stands twice", camera.place.describe(), camera.id);
 
   std::set<std::uint64_t> imageIds;
@@ -110,7 +116,7 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log) {
     const auto camera = cameras.find(image.camera);
     check(camera != cameras.end(), ErrorCode::invalidInput, "{}: CAMERA_ID {} of image {} is not in {}", at,
           image.camera, image.id, records.camerasFile.filename().string());
-    model.images.push_back({image.name, {camera->second, toPose(image)}});
+    model.images.push_back({image.name, {camera->second.intrinsics, toPose(image)}, camera->second.lens});
   }
 
   std::sort(records.points.begin(), records.points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -131,8 +137,11 @@ PosedModel readColmapModel(const fs::path& folder, const LogCallback& log) {
         continue;
       }
       auto& track = model.tracks[found->second].observations;
-      if (track.empty() || track.back().image != i)  // COLMAP may join two features of one image
-        track.push_back({std::uint32_t(i), {observation.x, observation.y}});
+      if (!track.empty() && track.back().image == i) continue;  // COLMAP may join two features of one image
+      const PosedImage& image = model.images[i];
+      std::optional<glm::dvec2> pixel = glm::dvec2(observation.x, observation.y);
+      if (image.lens) pixel = undistort(*pixel, *image.lens, image.camera.intrinsics);
+      if (pixel) track.push_back({std::uint32_t(i), *pixel});
     }
   if (lost > 0 && log)
     log(LogLevel::warning, fmt::format("{}: {} observations of points that are not there are left out",

@@ -38,7 +38,7 @@ inline constexpr std::array<ModelKind, 12> kModelKinds{{{0, "SIMPLE_PINHOLE", 3}
                                                         {9, "RADIAL_FISHEYE", 5},
                                                         {10, "THIN_PRISM_FISHEYE", 12},
                                                         {17, "EQUIRECTANGULAR", 2}}};
-inline constexpr std::size_t kSimplePinhole = 0, kPinhole = 1, kEquirectangular = 11;
+inline constexpr std::size_t kEquirectangular = 11;  // those before it stand as in LensModel (ibr/lens.h)
 
 inline constexpr std::uint64_t kNoPoint = ~std::uint64_t(0);  // an observation without a point
 inline constexpr std::uint64_t kNoCamera = 0xffffffff;        // an image that was never registered

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "author/hash.h"
 #include "base/check.h"
@@ -32,9 +33,17 @@ bool isPng(const fs::path& path) {
   return lowerExtension(path) == ".png";
 }
 
+struct Size {
+  int width, height;
+};
 // Equal proportions, to the rounding of whole pixels.
-bool sameShape(int width, int height, const Intrinsics& k) {
-  return std::abs(double(width) * k.height - double(height) * k.width) <= double(std::max(k.width, k.height));
+bool sameShape(int width, int height, Size camera) {
+  return std::abs(double(width) * camera.height - double(height) * camera.width) <=
+         double(std::max(camera.width, camera.height));
+}
+
+Intrinsics scaled(const Intrinsics& k, double scale) {
+  return resized(k, std::max(1, int(std::lround(k.width * scale))), std::max(1, int(std::lround(k.height * scale))));
 }
 
 }  // namespace
@@ -46,32 +55,31 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   check(fs::exists(photo.source), ErrorCode::io, "{}: the model's photograph is missing", photo.source.string());
   const ImageFileInfo info = probeImage(photo.source);
   const Intrinsics& k = image.camera.intrinsics;
+  const Size camera = image.lens ? Size{image.lens->width(), image.lens->height()} : Size{k.width, k.height};
   int width = info.width, height = info.height;
   photo.sourcePixels = double(width) * height;
-  if (!sameShape(width, height, k) && info.orientation >= 5 && sameShape(height, width, k)) {
+  if (!sameShape(width, height, camera) && info.orientation >= 5 && sameShape(height, width, camera)) {
     photo.applyOrientation = true;
     std::swap(width, height);
   }
-  check(sameShape(width, height, k), ErrorCode::invalidInput,
+  check(sameShape(width, height, camera), ErrorCode::invalidInput,
         "{}: {}x{} px, but the model's camera has {}x{}, of other proportions", photo.source.string(), width, height,
-        k.width, k.height);
-  const int longest = std::max(width, height);
+        camera.width, camera.height);
+  photo.lens = image.lens;
+  photo.whole = image.lens ? scaled(k, double(width) / camera.width) : resized(k, width, height);
+  const int longest = std::max(photo.whole.width, photo.whole.height);
   const bool smaller = maxSize > 0 && longest > maxSize;
-  if (smaller) {
-    const double scale = double(maxSize) / longest;
-    width = std::max(1, int(std::lround(width * scale)));
-    height = std::max(1, int(std::lround(height * scale)));
-  }
-  photo.camera = {resized(k, width, height), image.camera.pose};
+  photo.camera = {smaller ? scaled(photo.whole, double(maxSize) / longest) : photo.whole, image.camera.pose};
   const bool storable = isJpeg(photo.source) || isPng(photo.source);
-  photo.copied = storable && !smaller && !photo.applyOrientation;
+  photo.copied = storable && !smaller && !photo.applyOrientation && !photo.lens;
   photo.imageFile = fs::path("images") / (storable ? image.name : image.name + ".png");
   photo.textureFile = fs::path("textures") / (image.name + ".ktx2");
   return photo;
 }
 
 Image8 loadPhotograph(const Photograph& photo) {
-  const Image8 picture = readImage(photo.source, photo.applyOrientation);
+  Image8 picture = readImage(photo.source, photo.applyOrientation);
+  if (photo.lens) picture = undistort(picture, *photo.lens, photo.whole);
   const Intrinsics& k = photo.camera.intrinsics;
   if (picture.width == k.width && picture.height == k.height) return picture;
   return shrunk(picture, k.width, k.height);
@@ -102,6 +110,7 @@ std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, Te
   writeKtx2(texture, encodeTexture(buildMips(picture), format));
   Hash hash;
   hash.add(source);
+  if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // says what the lens is, too
   return hash.value();
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,14 +21,16 @@ struct Photograph {
   std::filesystem::path source;
   bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
   double sourcePixels = 0;
+  std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
   bool copied = false;                           // stored byte by byte
+  Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
 };
 
-/// Finds the file of a model's image and plans how it is stored: at most `maxSize` px along its longest side (0: as it
-/// is). Throws Error (io, invalidInput) that names the file where it is missing, unreadable, or has neither the
-/// camera's size nor a uniform scale of it.
+/// Finds the file of a model's image and plans how it is stored: freed of its lens's distortion, at most `maxSize` px
+/// along its longest side (0: as it is). Throws Error (io, invalidInput) that names the file where it is missing,
+/// unreadable, or has neither the camera's size nor a uniform scale of it.
 Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize);
 
 /// The picture as it is stored (RGB), from its source.
@@ -39,7 +42,8 @@ Image8 shrunk(const Image8& picture, int width, int height);
 /// The memory that storePhotograph takes, about.
 double bytesToStore(const Photograph& photograph);
 
-/// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes.
+/// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of
+/// what is undistorted.
 std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
 
 /// Pictures below `folder`, by name relative to it (with '/'), sorted.

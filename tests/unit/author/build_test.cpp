@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -161,6 +162,58 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   BuildOptions early = set.options("early");
   CHECK(errorOf([&] { build(early, [](const Progress&) { return false; }); }).code() == ErrorCode::cancelled);
   CHECK_FALSE(fs::exists(early.output));
+}
+
+TEST_CASE("photographs of a lens that distorts are undistorted, others are stored byte for byte") {
+  Set set(3);
+  // What a lens would have taken, from pictures of three times its size; but for the last one.
+  const Intrinsics k = set.model.images[0].camera.intrinsics, large = set.scene.scene.nodes[0].camera.intrinsics;
+  const std::vector<double> parameters{k.fx, k.cx, k.cy, 0.15};
+  const Lens lens(LensModel::simpleRadial, k.width, k.height, parameters);
+  REQUIRE(k.fx == Approx(k.fy));
+  for (std::size_t i = 0; i < 3; ++i) {
+    Image8 taken(k.width, k.height, 3);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const glm::dvec2 at = project(large, lens.unproject({x + 0.5, y + 0.5}).value()).value() - 0.5;
+        const auto u = std::min(int(at.x), large.width - 2), v = std::min(int(at.y), large.height - 2);
+        const double fx = at.x - u, fy = at.y - v;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto value = [&](int dx, int dy) { return double(set.scene.photographs[i].pixel(u + dx, v + dy)[c]); };
+          taken.pixel(x, y)[c] = std::uint8_t(std::lround((1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
+                                                          fy * ((1 - fx) * value(0, 1) + fx * value(1, 1))));
+        }
+      }
+    writeImage(set.folder / "photos" / set.model.images[i].name, taken);
+  }
+  for (Track& track : set.model.tracks)
+    for (TrackObservation& o : track.observations)
+      if (o.image < 3)
+        if (const auto moved = lens.project(unproject(k, o.pixel))) o.pixel = *moved;
+  writeColmapModel(set.model, set.folder / "model");
+  std::string cameras = readTextFile(set.folder / "model/cameras.txt"), changed;
+  for (std::size_t line = 1; line <= 3; ++line)
+    changed += fmt::format("{} SIMPLE_RADIAL {} {} {} {} {} {}\n", line, k.width, k.height, k.fx, k.cx, k.cy, 0.15);
+  writeFile(set.folder / "model/cameras.txt", changed + cameras.substr(cameras.find("4 PINHOLE")));
+
+  const BuildReport report = build(set.options());
+  CHECK(report.cells.size() == 2);
+  const Scene scene = loadScene(set.options().output);
+  CHECK(validateSceneFiles(set.options().output).empty());
+  REQUIRE(scene.nodes.size() == 4);
+  CHECK(scene.nodes[0].camera.intrinsics == undistorted(lens));
+  const Image8 stored = readImage(scene.folder / scene.nodes[0].imageFile);
+  CHECK(stored == undistort(readImage(set.folder / "photos/000.png"), lens, undistorted(lens)));
+  CHECK(readFile(scene.folder / scene.nodes[3].imageFile) == readFile(set.folder / "photos/sub/003.png"));
+  for (const auto& cell : report.cells) CHECK(cell.quality.coverage > 0.5);
+  for (const Cell& cell : scene.cells) CHECK(cell.quality.residualPx < 0.3);
+
+  BuildOptions smaller = set.options("smaller");
+  smaller.maxSize = 100;
+  build(smaller);
+  const Intrinsics small = loadScene(smaller.output).nodes[0].camera.intrinsics;
+  CHECK(std::max(small.width, small.height) == 100);
+  CHECK(small.fx / small.width == Approx(undistorted(lens).fx / undistorted(lens).width));
 }
 
 TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out") {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -27,12 +28,12 @@ struct TextModel {
     REQUIRE(text.find(what) != text.npos);
     text.replace(text.find(what), what.size(), with);
   }
-  PosedModel read(const LogCallback& log = {}) const {
+  PosedModel read(const LogCallback& log = {}, Border border = Border::crop) const {
     test::TemporaryFolder folder;
     writeFile(folder / "cameras.txt", cameras);
     writeFile(folder / "images.txt", images);
     writeFile(folder / "points3D.txt", points);
-    return readColmapModel(folder.path(), log);
+    return readColmapModel(folder.path(), log, border);
   }
 };
 
@@ -113,7 +114,12 @@ TEST_CASE("line ends, comments, spaces in names and files of newer versions are 
   for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"})
     fs::copy_file(kData / "tiny_binary" / name, folder / name);
   for (const char* name : {"rigs.bin", "frames.bin", "project.ini"}) writeFile(folder / name, "anything");
-  checkSame(readColmapModel(folder.path()), readColmapModel(kData / "tiny"));
+  std::vector<std::string> messages;
+  const LogCallback log = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
+  checkSame(readColmapModel(folder.path(), log), readColmapModel(kData / "tiny"));
+  REQUIRE(messages.size() == 2);
+  CHECK_THAT(messages[0], Contains("rigs.bin: not read"));
+  CHECK_THAT(messages[1], Contains("frames.bin: not read"));
 }
 
 TEST_CASE("what is missing is said, once, and left out") {
@@ -151,6 +157,37 @@ TEST_CASE("what is missing is said, once, and left out") {
   }
 }
 
+TEST_CASE("cameras that distort become pinholes, and what they saw moves along") {
+  TextModel model;
+  TextModel::replace(model.cameras, "7 SIMPLE_PINHOLE 480 640 450 240 320", "7 SIMPLE_RADIAL 480 640 450 240 320 -0.1");
+  const PosedModel straight = TextModel().read(), bent = model.read();
+  REQUIRE(bent.images.size() == 3);
+  const PosedImage& image = bent.images[2];
+  REQUIRE(image.lens);
+  CHECK(image.lens->model() == LensModel::simpleRadial);
+  CHECK_FALSE(bent.images[0].lens);
+  CHECK(bent.images[0].camera.intrinsics == straight.images[0].camera.intrinsics);
+  CHECK(image.camera.intrinsics == undistorted(*image.lens));
+  const PosedModel whole = model.read({}, Border::keep);
+  CHECK(whole.images[2].camera.intrinsics == undistorted(*image.lens, Border::keep));
+  std::size_t moved = 0;
+  for (std::size_t t = 0; t < whole.tracks.size(); ++t)
+    for (const TrackObservation& o : whole.tracks[t].observations) {
+      const auto same = std::find_if(straight.tracks[t].observations.begin(), straight.tracks[t].observations.end(),
+                                     [&](const TrackObservation& other) { return other.image == o.image; });
+      REQUIRE(same != straight.tracks[t].observations.end());
+      if (o.image != 2) {
+        CHECK(o.pixel == same->pixel);
+        continue;
+      }
+      const auto back = image.lens->project(unproject(whole.images[2].camera.intrinsics, o.pixel));
+      REQUIRE(back);
+      CHECK(glm::distance(*back, same->pixel) < 1e-8);
+      ++moved;
+    }
+  CHECK(moved >= 1);
+}
+
 TEST_CASE("a malformed text model is refused with line and field") {
   struct Spoilt {
     std::string TextModel::*file;
@@ -159,8 +196,8 @@ TEST_CASE("a malformed text model is refused with line and field") {
   };
   const Spoilt cases[] = {
       {&TextModel::cameras, "7 SIMPLE", "1 SIMPLE", "cameras.txt:3: CAMERA_ID 1 stands twice"},
-      {&TextModel::cameras, "500.5", "-500.5", "cameras.txt:2: focal lengths -500.5"},
-      {&TextModel::cameras, "500.5", "0", "cameras.txt:2: focal lengths 0"},
+      {&TextModel::cameras, "500.5", "-500.5", "cameras.txt:2: camera 1: focal lengths -500.5"},
+      {&TextModel::cameras, "500.5", "0", "cameras.txt:2: camera 1: focal lengths 0"},
       {&TextModel::cameras, "500.5", "nan", "cameras.txt:2: PARAMS \"nan\""},
       {&TextModel::cameras, "500.5", "5e999", "cameras.txt:2: PARAMS \"5e999\""},
       {&TextModel::cameras, "500.5 ", "", "cameras.txt:2: camera 1 has 3 PARAMS"},
@@ -168,8 +205,7 @@ TEST_CASE("a malformed text model is refused with line and field") {
       {&TextModel::cameras, "640 480", "640 99999", "cameras.txt:2: size 640x99999"},
       {&TextModel::cameras, "640 480", "640 -1", "cameras.txt:2: HEIGHT \"-1\""},
       {&TextModel::cameras, "1 PINHOLE", "1 PINHOLES", "cameras.txt:2: MODEL \"PINHOLES\"", ErrorCode::unsupported},
-      {&TextModel::cameras, "7 SIMPLE_PINHOLE", "7 SIMPLE_RADIAL 1", "camera 7 is a SIMPLE_RADIAL",
-       ErrorCode::unsupported},
+      {&TextModel::cameras, "7 SIMPLE_PINHOLE", "7 SIMPLE_RADIAL", "camera 7 has 3 PARAMS, but SIMPLE_RADIAL takes 4"},
       {&TextModel::images, "5 1 0 0 0", "2 1 0 0 0", "images.txt:6: IMAGE_ID 2 stands twice"},
       {&TextModel::images, "5 1 0 0 0", "5 0 0 0 0", "images.txt:4: quaternion (0, 0, 0, 0) of image 5 has length 0"},
       {&TextModel::images, "5 1 0 0 0", "5 1 1 0 0", "images.txt:4: quaternion (1, 1, 0, 0)"},
