@@ -59,6 +59,8 @@ class Lens {
   int height() const { return height_; }  // px
   /// False where it sees as a pinhole does: a pinhole, or a perspective model whose terms are all zero.
   bool distorts() const;
+  /// m is in the plane z = −1; else it is the fisheyes'.
+  bool perspective() const;
   /// Focal lengths and principal point in px, and what of it is distorted.
   glm::dvec2 focal() const { return focal_; }
   glm::dvec2 centre() const { return centre_; }

@@ -165,6 +165,10 @@ Lens::Lens(LensModel model, int width, int height, std::span<const double> p)
   limit_ = foldOf(distortion_, isFisheye(model));
 }
 
+bool Lens::perspective() const {
+  return !isFisheye(model_);
+}
+
 bool Lens::distorts() const {
   return isFisheye(model_) || !(distortion_ == LensDistortion{});
 }
@@ -174,7 +178,7 @@ std::optional<glm::dvec2> Lens::project(glm::dvec3 direction) const {
   glm::dvec2 m(x / z, y / z);
   if (isFisheye(model_)) {
     const double across = std::hypot(x, y);
-    if (across == 0 && !(z > 0)) return std::nullopt;
+    if (!(across > 0) && !(across == 0 && z > 0)) return std::nullopt;  // NaN, too
     const double angle = std::atan2(across, z);
     m = across > 0 ? glm::dvec2(x, y) * (angle / across) : glm::dvec2(0);
   } else if (!(z > 0)) {

@@ -94,7 +94,8 @@ Image8 shrunk(const Image8& picture, int width, int height) {
 }
 
 double bytesToStore(const Photograph& photo) {
-  return kBytesPerPixel * photo.sourcePixels;
+  const double whole = double(photo.whole.width) * photo.whole.height;  // undistorted, it may be larger than the source
+  return kBytesPerPixel * std::max(photo.sourcePixels, whole) + (photo.lens ? 3 * photo.sourcePixels : 0);
 }
 
 std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {

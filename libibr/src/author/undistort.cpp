@@ -89,16 +89,26 @@ Rectangle cropped(const Lens& lens, glm::dvec2 middle) {
 
 // Around all that was photographed.
 Rectangle kept(const Lens& lens, glm::dvec2 middle) {
-  constexpr int kGrid = 128;
+  constexpr int kGrid = 128, kFold = 720;
   Rectangle r{middle.x, middle.x, middle.y, middle.y};
+  const auto add = [&](glm::dvec3 ray) {
+    if (!(ray.z < 0)) return;
+    const double x = std::clamp(ray.x / -ray.z, -kWidestTangent, kWidestTangent);
+    const double y = std::clamp(-ray.y / -ray.z, -kWidestTangent, kWidestTangent);
+    r = {std::min(r.left, x), std::max(r.right, x), std::min(r.top, y), std::max(r.bottom, y)};
+  };
   for (int i = 0; i <= kGrid; ++i)
-    for (int j = 0; j <= kGrid; ++j) {
-      const auto ray = lens.unproject({double(lens.width()) * i / kGrid, double(lens.height()) * j / kGrid});
-      if (!ray || !(ray->z < 0)) continue;
-      const double x = std::clamp(ray->x / -ray->z, -kWidestTangent, kWidestTangent);
-      const double y = std::clamp(-ray->y / -ray->z, -kWidestTangent, kWidestTangent);
-      r = {std::min(r.left, x), std::max(r.right, x), std::min(r.top, y), std::max(r.bottom, y)};
-    }
+    for (int j = 0; j <= kGrid; ++j)
+      if (const auto ray = lens.unproject({double(lens.width()) * i / kGrid, double(lens.height()) * j / kGrid}))
+        add(*ray);
+  // Near a fold a step in the picture is a large one in the plane.
+  for (int i = 0; i < kFold; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kFold, most = (1 - 1e-9) * lens.limit();
+    const glm::dvec3 ray = lens.perspective() ? glm::dvec3(most * std::cos(angle), most * std::sin(angle), -1.0)
+                                              : glm::dvec3(std::sin(most) * std::cos(angle),
+                                                           std::sin(most) * std::sin(angle), -std::cos(most));
+    if (const auto pixel = lens.project(ray); pixel && inPicture(lens, *pixel)) add(ray);
+  }
   return r;
 }
 

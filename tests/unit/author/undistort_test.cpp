@@ -91,7 +91,7 @@ TEST_CASE("the cropped rectangle is full and cannot grow; the kept one holds eve
       }
       return true;
     };
-    const double w = k.width, h = k.height, out = 2;
+    const double w = k.width, h = k.height, out = 8;
     CHECK_FALSE(free(-out, 0, -out, h));
     CHECK_FALSE(free(w + out, 0, w + out, h));
     CHECK_FALSE(free(0, -out, w, -out));
