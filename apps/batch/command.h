@@ -35,6 +35,6 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand;
+    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand;
 
 }  // namespace ibr::app

@@ -28,6 +28,7 @@ constexpr std::array kCommands{
     &kCompareCommand,
     &kBenchCommand,
     &kSynthCommand,
+    &kSplitCommand,
     &kDeviceCommand,
 };
 

@@ -9,7 +9,6 @@
 #include <random>
 #include <vector>
 
-#include "base/file.h"
 #include "ibr/author.h"
 
 namespace ibr::test {
@@ -50,31 +49,6 @@ inline std::vector<glm::dvec3> pointsAround(glm::dvec3 centre, double radius, st
     if (glm::length(v) > 1e-3) points.push_back(centre + radius * glm::normalize(v));
   }
   return points;
-}
-
-/// Writes a model as COLMAP's text files.
-inline void writeColmapModel(const PosedModel& model, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::string cameras, images, points;
-  std::vector<std::string> seen(model.images.size());
-  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
-    const glm::dvec3 p = model.tracks[t].position;
-    points += fmt::format("{} {} {} {} 0 0 0 0\n", t + 1, p.x, p.y, p.z);
-    for (const TrackObservation& o : model.tracks[t].observations)
-      seen[o.image] += fmt::format("{} {} {} ", o.pixel.x, o.pixel.y, t + 1);
-  }
-  for (std::size_t i = 0; i < model.images.size(); ++i) {
-    const Intrinsics& k = model.images[i].camera.intrinsics;
-    cameras += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
-    const glm::dquat halfTurn(0, 1, 0, 0);  // COLMAP's axes: y down, z forward
-    const glm::dquat q = glm::inverse(model.images[i].camera.pose.rotation * halfTurn);
-    const glm::dvec3 t = -(q * model.images[i].camera.pose.position);
-    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n{}\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1,
-                          model.images[i].name, seen[i]);
-  }
-  writeFile(folder / "cameras.txt", cameras);
-  writeFile(folder / "images.txt", images);
-  writeFile(folder / "points3D.txt", points);
 }
 
 }  // namespace ibr::test

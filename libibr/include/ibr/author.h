@@ -45,6 +45,12 @@ struct PosedModel {
 PosedModel readColmapModel(const std::filesystem::path& folder, const LogCallback& log = {},
                            Border border = Border::crop);
 
+/// Writes cameras.txt, images.txt and points3D.txt; the folder is made where it is missing. Images with the same
+/// intrinsics share a camera; points are grey. Read again, poses are the same to rounding and all else exactly. Throws
+/// Error: io, or invalidInput for a name that a line of text cannot hold and for an observation of an image that is
+/// not there; then nothing is written.
+void writeColmapModel(const PosedModel& model, const std::filesystem::path& folder);
+
 /// Reads equirectangular panoramas with their poses from a JSON file:
 ///   {"width": px, "height": px, "panoramas": [{"name": file, "position": [x, y, z],
 ///    "R_world_to_camera": [[3], [3], [3]]}, …], "triangles": [[i, j, k], …]}

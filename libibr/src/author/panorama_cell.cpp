@@ -96,7 +96,7 @@ class Maker {
       const Intrinsics intrinsics = faceIntrinsics(size, kFov);
       const glm::dquat turn = glm::conjugate(view.camera.pose.rotation) * rotation;
       face.views.push_back(
-          {{intrinsics, {view.camera.pose.position, rotation}}, facePicture(view.picture, intrinsics, turn)});
+          {{intrinsics, {view.camera.pose.position, rotation}}, PanoramaSampler(view.picture).view(intrinsics, turn)});
     }
     std::vector<glm::dvec3> onAxis;  // as far as the points are, in every direction
     for (const double distance : distances_) onAxis.push_back(centre_ + distance * (rotation * glm::dvec3(0, 0, -1)));

@@ -82,7 +82,7 @@ TEST_CASE("a face shows what a pinhole at the panorama's centre sees, across the
   const SyntheticScene scene = room({camera, panorama({0.9, 0, 0}, 0, 0, 64)}, 3);
   for (const glm::dquat turn : cubeRotations()) {
     const Intrinsics face = faceIntrinsics(200, 110 * kPi / 180);
-    const Image8 picture = facePicture(scene.photographs[0], face, turn);
+    const Image8 picture = PanoramaSampler(scene.photographs[0]).view(face, turn);
     const Image8 truth = renderTruth(scene, {face, {camera.pose.position, camera.pose.rotation * turn}}, 3);
     const Difference off = difference(picture, truth, 40);
     INFO("largest " << off.largest);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// COLMAP's text files, written. Frames: author/world_to_camera.h.
+#include <algorithm>
+#include <glm/gtc/quaternion.hpp>
+#include <iterator>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "ibr/author.h"
+
+namespace ibr {
+namespace {
+
+template <class... Args>
+void append(std::string& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+// The reader takes the rest of a line for the name, without blanks at its ends.
+void checkName(const std::string& name) {
+  const bool ends = !name.empty() && name.front() != ' ' && name.back() != ' ' && name.front() != '\t' &&
+                    name.back() != '\t';
+  check(ends && name.find_first_of("\r\n") == name.npos, ErrorCode::invalidInput,
+        "\"{}\" cannot be the name of an image in a COLMAP text model", name);
+}
+
+}  // namespace
+
+void writeColmapModel(const PosedModel& model, const std::filesystem::path& folder) {
+  std::string cameras = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n",
+              images = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n",
+              points = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  std::vector<std::string> seen(model.images.size());
+  std::vector<std::size_t> count(model.images.size(), 0);
+  for (std::size_t t = 0; t < model.tracks.size(); ++t) {
+    const glm::dvec3 p = model.tracks[t].position;
+    append(points, "{} {} {} {} 128 128 128 -1", t + 1, p.x, p.y, p.z);  // −1: COLMAP's word for an error not known
+    for (const TrackObservation& o : model.tracks[t].observations) {
+      check(o.image < model.images.size(), ErrorCode::invalidInput, "track {} is seen by image {} of {}", t, o.image,
+            model.images.size());
+      append(points, " {} {}", o.image + 1, count[o.image]++);
+      append(seen[o.image], "{}{} {} {}", seen[o.image].empty() ? "" : " ", o.pixel.x, o.pixel.y, t + 1);
+    }
+    points += '\n';
+  }
+  std::vector<Intrinsics> known;
+  for (std::size_t i = 0; i < model.images.size(); ++i) {
+    const auto& [name, camera] = model.images[i];
+    checkName(name);
+    const Intrinsics& k = camera.intrinsics;
+    auto number = std::size_t(std::ranges::find(known, k) - known.begin());
+    if (number == known.size()) {
+      known.push_back(k);
+      if (k.model == CameraModel::equirectangular)
+        append(cameras, "{} EQUIRECTANGULAR {} {} {} {}\n", number + 1, k.width, k.height, k.width, k.height);
+      else
+        append(cameras, "{} PINHOLE {} {} {} {} {} {}\n", number + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+    }
+    const glm::dquat halfTurnAboutX(0.0, 1.0, 0.0, 0.0);  // y up, −z forward → y down, z forward
+    const glm::dquat q = glm::conjugate(camera.pose.rotation * halfTurnAboutX);
+    const glm::dvec3 t = -(q * camera.pose.position);
+    append(images, "{} {} {} {} {} {} {} {} {} {}\n{}\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, number + 1, name,
+           seen[i]);
+  }
+  std::filesystem::create_directories(folder);
+  writeFile(folder / "cameras.txt", cameras);
+  writeFile(folder / "images.txt", images);
+  writeFile(folder / "points3D.txt", points);
+}
+
+}  // namespace ibr
