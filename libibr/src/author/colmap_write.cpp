@@ -45,7 +45,8 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
   }
   std::vector<Intrinsics> known;
   for (std::size_t i = 0; i < model.images.size(); ++i) {
-    const auto& [name, camera] = model.images[i];
+    const std::string& name = model.images[i].name;
+    const Camera& camera = model.images[i].camera;
     checkName(name);
     const Intrinsics& k = camera.intrinsics;
     auto number = std::size_t(std::ranges::find(known, k) - known.begin());
