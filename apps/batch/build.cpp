@@ -68,7 +68,7 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
 std::string reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
   Json json{{"scene", options.output.string()},
             {"photographs", options.photographs.string()},
-            {"model", (options.panoramas.empty() ? options.model : options.panoramas).string()},
+            {"model", report.poses.string()},
             {"cells", Json::array()},
             {"backdrops", Json::array()},
             {"dropped", Json::array()},
@@ -115,14 +115,16 @@ ExitCode buildScene(const Options& options, const Context& context) {
 
 const Command kBuildCommand{
     .name = "build",
-    .summary = "Makes a scene from photographs and their poses",
+    .summary = "Makes a scene from photographs",
     .examples =
         "ibr build photographs -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
+        "ibr build photographs --transforms transforms.json -o scene\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
-        "PHOTOS are undistorted photographs; their poses are a COLMAP model (text or binary). Panoramas are read and "
-        "checked (a model with EQUIRECTANGULAR cameras, or --panoramas), but cells of them cannot be built yet. The "
+        "PHOTOS are photographs; their poses are a COLMAP model (text or binary), transforms.json, or for panoramas a "
+        "model with EQUIRECTANGULAR cameras or --panoramas. Where there are none, the program COLMAP estimates them, in "
+        "SCENE/.poses. Photographs of lenses that distort are undistorted; those of pinholes are stored as they are. The "
         "same input, options and seed give the same scene. A build that was stopped goes on where it was.",
     .afterInterrupt = "What was finished is kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

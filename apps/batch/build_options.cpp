@@ -23,10 +23,9 @@ fs::path findModel(const fs::path& photographs, const Context& context) {
       context.say(LogLevel::info, "poses from {}", candidate.string());
       return candidate;
     }
-  fail(ErrorCode::io,
-       "{}: no poses found. Give the folder of a COLMAP model (cameras.txt or .bin) with --model; without it, sparse "
-       "and sparse/0 are looked for in this folder and beside it",
-       photographs.string());
+  context.say(LogLevel::info, "no poses given, and no model in {} or beside it: COLMAP estimates them",
+              photographs.string());
+  return {};
 }
 
 std::vector<std::string> namesIn(const fs::path& file) {
@@ -51,9 +50,20 @@ void declareBuildOptions(CLI::App& app, BuildChoices& choices) {
          "--model", choices.model,
          "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
       ->type_name("DIR");
-  app.add_option("--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
+  app.add_option("--transforms", choices.transforms,
+                 "transforms.json (nerfstudio, instant-ngp) with the poses, instead of a model")
       ->type_name("FILE")
       ->excludes("--model");
+  app.add_option("--panoramas", choices.panoramas, "File with the poses of panoramas, instead of a model")
+      ->type_name("FILE")
+      ->excludes("--model")
+      ->excludes("--transforms");
+  app.add_option("--colmap", choices.build.colmap, "Program that estimates poses where there are none [colmap]")
+      ->type_name("PROGRAM");
+  addChoice<TrackSource>(
+      app, "--tracks", choices.build.tracks,
+      {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
+      "Points that photographs share: the model's, our own, or our own where the model has few [auto]");
   app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
       ->type_name("NAME...");
   app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");
@@ -74,8 +84,10 @@ BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photogr
   BuildOptions build = choices.build;
   build.photographs = photographs;
   build.panoramas = choices.panoramas;
+  build.transforms = choices.transforms;
   build.model = choices.model;
-  if (choices.model.empty() && choices.panoramas.empty()) build.model = findModel(photographs, context);
+  if (choices.model.empty() && choices.transforms.empty() && choices.panoramas.empty())
+    build.model = findModel(photographs, context);
   build.seed = context.options().seed;
   build.threads = context.options().threads;
   if (!choices.excludeFrom.empty())

@@ -12,14 +12,15 @@
 namespace ibr::app {
 
 struct BuildChoices {
-  BuildOptions build;  // photographs, model, panoramas, output, seed and threads are not set yet
-  std::string model, panoramas, excludeFrom;
+  BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are not set yet
+  std::string model, transforms, panoramas, excludeFrom;
 };
 
 /// All but the photographs' and the scene's folder.
 void declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
-/// Complete but for the output. Looks for a model near the photographs where none is given. Throws Error.
+/// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
+/// building runs COLMAP. Throws Error.
 BuildOptions buildOptionsOf(const BuildChoices& choices, const std::filesystem::path& photographs,
                             const Context& context);
 

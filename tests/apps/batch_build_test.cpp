@@ -170,6 +170,92 @@ TEST_CASE("photographs can be left out by name or by a list") {
   }
 }
 
+TEST_CASE("poses come from transforms.json, too, and points from the photographs") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  const Intrinsics k = set.cameras[0].camera.intrinsics;
+  nlohmann::json json{{"fl_x", k.fx}, {"fl_y", k.fy}};  // sizes are those of the pictures
+  for (const auto& [name, camera] : set.cameras) {
+    const glm::dvec3 p = camera.pose.position;  // none of them is turned
+    json["frames"].push_back({{"file_path", "photographs/" + name.substr(0, name.size() - 4)},
+                              {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
+  }
+  writeFile(folder / "transforms.json", json.dump());
+  const std::vector<std::string> line{"build", set.photographs, "--transforms", folder / "transforms.json", "-o",
+                                      folder / "scene", "--json", "-"};
+  const auto outcome = runProgram(line);
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("of our own"));
+  const auto report = nlohmann::json::parse(outcome.out);
+  CHECK(report.at("model") == (folder / "transforms.json").string());
+  REQUIRE(report.at("cells").size() == 1);
+  CHECK(report.at("cells")[0].at("coverage") > 0.6);
+  CHECK(report.at("cells")[0].at("residualPx") < 0.3);
+  CHECK(runProgram({"validate", folder / "scene"}).code == 0);
+
+  const auto twice = runProgram({"build", set.photographs, "--transforms", folder / "transforms.json", "--model",
+                                 set.photographs / "sparse", "-o", folder / "scene"});
+  CHECK(twice.code == 1);
+  json["frames"][1]["transform_matrix"][0][0] = 3;
+  writeFile(folder / "transforms.json", json.dump());
+  const auto scaled = runProgram(line);
+  CHECK(scaled.code == 3);
+  CHECK_THAT(scaled.err, Contains("/frames/1/transform_matrix") && Contains("scaled"));
+}
+
+TEST_CASE("the points of the model are used, our own, or both") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  std::map<std::string, std::string> texts;
+  for (const std::string tracks : {"auto", "model", "own"}) {
+    const auto outcome = runProgram({"build", set.photographs, "-o", folder / tracks, "--tracks", tracks});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    texts[tracks] = outcome.err;
+    CHECK(loadScene(folder / tracks).cells.size() == 1);
+  }
+  CHECK_THAT(texts["own"], Contains("of our own"));
+  CHECK_THAT(texts["model"], !Contains("of our own"));
+  CHECK(runProgram({"build", set.photographs, "-o", folder / "x", "--tracks", "some"}).code == 1);
+}
+
+TEST_CASE("without poses COLMAP is run, and what it made is kept") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  fs::create_directories(folder / "models");
+  fs::rename(set.photographs / "sparse", folder / "models/0");
+  const std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene", "--colmap", IBR_FAKE_COLMAP,
+                                      "--json", "-"};
+  const test::RunOptions environment{.environment = {"FAKE_COLMAP=" + folder.path().string()}};
+  const auto outcome = runProgram(line, environment);
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("COLMAP registered 3 of 3 photographs") && Contains("finding features with COLMAP"));
+  const auto report = nlohmann::json::parse(outcome.out);
+  CHECK(report.at("model") == (folder / "scene/.poses/sparse/0").string());
+  CHECK(report.at("cells").size() == 1);
+  const std::string calls = readTextFile(folder / "calls");
+  CHECK(runProgram(line, environment).code == 0);
+  CHECK(readTextFile(folder / "calls") == calls);  // not run again
+
+  // Ctrl-C ends it, and the same command goes on.
+  fs::remove_all(folder / "scene");
+  writeFile(folder / "SLEEP-mapper", std::string_view(""));
+  const auto stopped =
+      runProgram(line, {.environment = environment.environment,
+                        .interruptWhen = [&](const std::string&) { return fs::exists(folder / "sleeper"); }});
+  CHECK(stopped.code == 130);
+  fs::remove(folder / "SLEEP-mapper");
+  const std::string before = readTextFile(folder / "calls");
+  CHECK(runProgram(line, environment).code == 0);
+  CHECK_THAT(readTextFile(folder / "calls").substr(before.size()), !Contains("feature_extractor") && Contains("mapper"));
+
+  const auto missing = runProgram({"build", set.photographs, "-o", folder / "other", "--colmap", "no-such-colmap"});
+  CHECK(missing.code == 2);
+  CHECK_THAT(missing.err, Contains("no-such-colmap") && Contains("--model"));
+}
+
 TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());

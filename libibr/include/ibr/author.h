@@ -70,13 +70,42 @@ PosedModel readPanoramas(const std::filesystem::path& file);
 PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
                           Border border = Border::crop);
 
+/// Poses by the program COLMAP (3.8 or later), which does its work on the processor.
+struct PoseOptions {
+  std::filesystem::path photographs;  // folder; pictures below it are taken, too
+  std::filesystem::path folder;       // for what COLMAP makes; made if missing, and kept
+  std::string program = "colmap";     // looked for along PATH, unless it names a folder
+  int threads = 0;                    // 0 = all cores
+};
+struct PoseReport {
+  std::filesystem::path model;  // folder of the model, the largest where there are several
+  std::size_t photographs = 0;  // that there are
+  std::size_t registered = 0;   // that have a pose
+  std::size_t points = 0;
+};
+
+/// Finds features, matches them (all pairs of up to 60 photographs, else neighbours in the order of their names) and
+/// estimates poses. Photographs that are all of one size are taken for those of one lens. A step that is finished is not
+/// done again while the photographs stay as they are; one that is cancelled ends the program. Throws Error: io where the
+/// program is missing or fails (with its last lines), invalidInput where it finds no poses, cancelled.
+PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
+
+/// Where points come from that two or more photographs see.
+enum class TrackSource : std::uint8_t {
+  automatic,  // the model's, and our own for pairs that share few of these
+  model,
+  own,  // SIFT guided by the poses
+};
+
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
   std::filesystem::path model;        // COLMAP model folder; or
   std::filesystem::path transforms;   // file that readTransforms reads, instead of a model; or
-  std::filesystem::path panoramas;    // file that readPanoramas reads
+  std::filesystem::path panoramas;    // file that readPanoramas reads; where none is given, estimatePoses is asked
+  std::string colmap = "colmap";      // the program that it runs
   std::filesystem::path output;       // scene folder; made if missing
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
+  TrackSource tracks = TrackSource::automatic;
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
@@ -106,6 +135,7 @@ struct BuildReport {
     std::string what;    // image or cell, by its members' names
     std::string reason;  // for people
   };
+  std::filesystem::path poses;  // file or folder that they were read from
   std::vector<CellLine> cells;
   std::vector<BackdropLine> backdrops;
   std::vector<Dropped> dropped;

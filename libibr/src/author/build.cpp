@@ -8,7 +8,9 @@
 #include "author/build_input.h"
 #include "author/build_jobs.h"
 #include "author/cell_maker.h"
+#include "author/own_tracks.h"
 #include "author/photographs.h"
+#include "author/read_poses.h"
 #include "author/stopwatch.h"
 #include "ibr/author.h"
 
@@ -27,10 +29,13 @@ class Builder {
     const Stopwatch watch;
     jobs_.step("reading the model", 0, 1);
     input_ = readInput(options_, log_);
-    report_.dropped = input_.dropped;
-    report_.dropped.insert(report_.dropped.end(), input_.plan.dropped.begin(), input_.plan.dropped.end());
+    report_.poses = posesFile(options_);
     const SingleThreadedOpenCv quiet;
     storePhotographs();
+    addOwnTracks(input_, options_, jobs_, log_);
+    report_.dropped = input_.dropped;
+    report_.dropped.insert(report_.dropped.end(), input_.plan.dropped.begin(), input_.plan.dropped.end());
+    describe();
     makeCells();
     if (options_.backdrops) makeBackdrops();
     jobs_.step("writing the scene", 0, 1);
@@ -51,13 +56,16 @@ class Builder {
     });
     for (const Photograph& photo : input_.photographs)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile});
+  }
+
+  void describe() {
     const bool panoramic = std::ranges::all_of(input_.photographs, isPanorama);
     scene_.acquisition = panoramic ? "panoramic" : input_.plan.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("backdropSpacing":{}}})",
+        R"("backdropSpacing":{},"tracks":"{}"}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
-        input_.refine, options_.backdrops, options_.backdropSpacing);
+        input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks));
   }
 
   void makeCells() {
@@ -116,7 +124,13 @@ class Builder {
 }  // namespace
 
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
-  return Builder(options, progress, log).run();
+  BuildOptions posed = options;
+  checkOptions(options);
+  if (posesFile(options).empty())
+    posed.model = estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads},
+                                progress, log)
+                      .model;
+  return Builder(posed, progress, log).run();
 }
 
 }  // namespace ibr

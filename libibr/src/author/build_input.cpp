@@ -15,16 +15,6 @@ namespace {
 
 constexpr double kExactPx = 0.1;  // median reprojection error up to which poses count as exact
 
-void checkOptions(const BuildOptions& options) {
-  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
-  check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
-  const int spacing = options.backdropSpacing;
-  check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
-        "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
-  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
-  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
-}
-
 std::vector<BuildReport::Dropped> unknownTo(const PosedModel& model, const fs::path& photographs) {
   std::set<std::string> known;
   for (const PosedImage& image : model.images) known.insert(image.name);
@@ -35,6 +25,16 @@ std::vector<BuildReport::Dropped> unknownTo(const PosedModel& model, const fs::p
 }
 
 }  // namespace
+
+void checkOptions(const BuildOptions& options) {
+  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
+  const int spacing = options.backdropSpacing;
+  check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
+        "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
+  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
+}
 
 BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   checkOptions(options);

@@ -24,6 +24,9 @@ struct BuildInput {
   std::vector<BuildReport::Dropped> dropped;  // photographs that the model does not know
 };
 
+/// Throws Error (io, invalidInput) that names the option.
+void checkOptions(const BuildOptions& options);
+
 /// Throws Error (io, invalidInput) that names the option or the file; nothing is written.
 BuildInput readInput(const BuildOptions& options, const LogCallback& log);
 

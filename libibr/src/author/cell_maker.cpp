@@ -47,14 +47,6 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   return hash.value();
 }
 
-MatchView viewOf(const Photograph& photograph) {
-  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
-  const Intrinsics& k = view.camera.intrinsics;
-  if (k.width != view.picture.width || k.height != view.picture.height)
-    view.picture = shrunk(view.picture, k.width, k.height);
-  return view;
-}
-
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
                      const std::vector<glm::dvec3>& points, std::uint64_t key) {
   std::vector<MatchView> views;
@@ -82,6 +74,14 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 }
 
 }  // namespace
+
+MatchView viewOf(const Photograph& photograph) {
+  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
+  const Intrinsics& k = view.camera.intrinsics;
+  if (k.width != view.picture.width || k.height != view.picture.height)
+    view.picture = shrunk(view.picture, k.width, k.height);
+  return view;
+}
 
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const Stopwatch watch;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "author/build_input.h"
+#include "author/match.h"
 #include "author/mesh.h"
 
 namespace ibr {
@@ -19,6 +20,9 @@ struct MadeCell {
   bool resumed = false;   // was kept
   std::uint64_t key = 0;  // it is kept under
 };
+
+/// A photograph at the size at which it is matched.
+MatchView viewOf(const Photograph& photograph);
 
 class CellMaker {
  public:

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <exception>
+#include <map>
+#include <thread>
+
+#include "base/check.h"
+
+namespace ibr {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { close(); }
+  int get() const { return descriptor_; }
+  void close() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
+  }
+
+ private:
+  int descriptor_;
+};
+
+std::vector<std::string> environmentWith(const std::vector<std::pair<std::string, std::string>>& more) {
+  std::map<std::string, std::string> all;
+  for (char** entry = ::environ; *entry; ++entry) {
+    const std::string text = *entry;
+    const auto equals = text.find('=');
+    if (equals != text.npos) all[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  for (const auto& [name, value] : more) all[name] = value;
+  std::vector<std::string> list;
+  for (const auto& [name, value] : all) list.push_back(name + '=' + value);
+  return list;
+}
+
+std::vector<char*> pointersTo(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+// A running program, leader of its own group. It is ended with the object.
+class Child {
+ public:
+  Child(const std::vector<std::string>& arguments, std::vector<std::string> environment, int output) {
+    std::vector<std::string> copy = arguments;
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    ::posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    ::posix_spawnattr_init(&attributes);
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    ::posix_spawnattr_setpgroup(&attributes, 0);
+    const int error = ::posix_spawnp(&id_, copy[0].c_str(), &actions, &attributes, pointersTo(copy).data(),
+                                     pointersTo(environment).data());
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::posix_spawnattr_destroy(&attributes);
+    if (error != 0) id_ = -1;
+    check(error == 0, ErrorCode::io, "{}: cannot be run: {}", arguments[0], std::strerror(error));
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (id_ > 0) end();
+  }
+
+  /// Whether it has ended; then status() says how.
+  bool ended() {
+    if (id_ <= 0) return true;
+    int raw = 0;
+    if (::waitpid(id_, &raw, WNOHANG) != id_) return false;
+    id_ = -1;
+    status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    return true;
+  }
+  void end() {
+    const pid_t group = id_;
+    ::kill(-group, SIGTERM);
+    for (const auto until = Clock::now() + 3s; Clock::now() < until && !ended();) std::this_thread::sleep_for(20ms);
+    ::kill(-group, SIGKILL);
+    while (!ended()) std::this_thread::sleep_for(5ms);
+  }
+  int status() const { return status_; }
+
+ private:
+  pid_t id_ = -1;
+  int status_ = 0;
+};
+
+}  // namespace
+
+ChildResult runChild(const std::vector<std::string>& arguments,
+                     const std::vector<std::pair<std::string, std::string>>& environment,
+                     const std::function<void(std::string_view)>& line, const std::function<bool()>& goesOn) {
+  int ends[2];
+  check(::pipe2(ends, O_CLOEXEC) == 0, ErrorCode::io, "{}: cannot be run: {}", arguments[0], std::strerror(errno));
+  Descriptor in(ends[0]), out(ends[1]);
+  Child child(arguments, environmentWith(environment), out.get());
+  out.close();
+  ::fcntl(in.get(), F_SETFL, O_NONBLOCK);
+  std::string rest;
+  bool open = true;
+  const auto read = [&] {
+    char buffer[4096];
+    for (ssize_t got; (got = ::read(in.get(), buffer, sizeof(buffer))) != 0;) {
+      if (got < 0) return;  // nothing more for now
+      rest.append(buffer, std::size_t(got));
+      for (std::size_t end; (end = rest.find_first_of("\r\n")) != rest.npos; rest.erase(0, end + 1))
+        if (end > 0) line(std::string_view(rest).substr(0, end));
+    }
+    open = false;
+  };
+  // What it has started may hold the pipe longer than it lives: its own end counts.
+  for (bool ended = false; !ended;) {
+    if (!goesOn()) {
+      child.end();
+      return {child.status(), true};
+    }
+    if (open) {
+      pollfd wait{in.get(), POLLIN, 0};
+      ::poll(&wait, 1, 100);
+    } else {
+      std::this_thread::sleep_for(20ms);
+    }
+    ended = child.ended();
+    if (open) read();
+  }
+  if (!rest.empty()) line(rest);
+  return {child.status(), false};
+}
+
+}  // namespace ibr

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses by the program COLMAP (Schönberger and Frahm 2016), step by step in a folder that is kept.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <fstream>
+#include <optional>
+
+#include "author/child_process.h"
+#include "author/hash.h"
+#include "author/photographs.h"
+#include "base/check.h"
+#include "base/file.h"
+#include "base/parse.h"
+#include "ibr/author.h"
+#include "io/image_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kVersion = 1;           // of the steps: raise it when they come out differently
+constexpr std::size_t kMostExhaustive = 60;     // photographs that are all matched with each other
+constexpr std::size_t kLinesInErrors = 12;
+constexpr const char* kFeatures = "finding features with COLMAP";
+constexpr const char* kMatching = "matching features with COLMAP";
+constexpr const char* kMapping = "estimating poses with COLMAP";
+
+struct Count {
+  std::size_t done, total;
+};
+
+std::optional<std::size_t> numberAt(std::string_view text, std::size_t& at) {
+  const std::size_t end = std::min(text.find_first_not_of("0123456789", at), text.size());
+  const auto value = parseInt(text.substr(at, end - at));
+  at = end;
+  return value && *value >= 0 ? std::optional(std::size_t(*value)) : std::nullopt;
+}
+
+// "… [3/12] …", or "… [2/3, 1/4] …" of blocks of blocks.
+std::optional<Count> bracketed(std::string_view line) {
+  std::size_t at = line.find('[');
+  if (at == line.npos) return std::nullopt;
+  std::optional<Count> count;
+  while (at < line.size() && line[at] != ']') {
+    at = std::min(line.find_first_of("0123456789", at), line.size());
+    const auto done = numberAt(line, at);
+    if (!done || at >= line.size() || line[at] != '/') return std::nullopt;
+    const auto total = numberAt(line, ++at);
+    if (!total || *total == 0 || *done > *total) return std::nullopt;
+    count = count ? Count{(count->done - std::min<std::size_t>(count->done, 1)) * *total + *done, count->total * *total}
+                  : Count{*done, *total};
+  }
+  return count;
+}
+
+// "Registering image #5 (12)", of newer versions "(num_reg_frames=12)".
+std::optional<std::size_t> registered(std::string_view line) {
+  if (line.find("Registering image") == line.npos) return std::nullopt;
+  const std::size_t open = line.rfind('(');
+  if (open == line.npos) return std::nullopt;
+  std::size_t at = std::min(line.find_first_of("0123456789", open), line.size());
+  return numberAt(line, at);
+}
+
+class Estimator {
+ public:
+  Estimator(const PoseOptions& options, const ProgressCallback& progress, const LogCallback& log)
+      : options_(options), progress_(progress), log_(log) {}
+
+  PoseReport run() {
+    check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
+    check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
+    names_ = listPictures(options_.photographs);
+    check(names_.size() >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
+          options_.photographs.string(), names_.size());
+    prepare();
+    if (!fs::exists(file("mapper.done"))) {
+      findFeatures();
+      matchFeatures();
+      estimate();
+    }
+    return largestModel();
+  }
+
+ private:
+  fs::path file(const std::string& name) const { return options_.folder / name; }
+
+  // What was made of other photographs, or in another way, is thrown away.
+  void prepare() {
+    Hash hash;
+    hash.add(kVersion);
+    for (const std::string& name : names_) {
+      const fs::path path = options_.photographs / name;
+      hash.add(std::string_view(name));
+      hash.add(std::uint64_t(fs::file_size(path)));
+      hash.add(std::int64_t(fs::last_write_time(path).time_since_epoch().count()));
+      const ImageFileInfo info = probeImage(path);
+      if (name == names_.front()) width_ = info.width, height_ = info.height;
+      sameSize_ = sameSize_ && info.width == width_ && info.height == height_;
+    }
+    const std::string key = fmt::format("{:016x}\n", hash.value());
+    if (!fs::exists(file("key")) || readTextFile(file("key")) != key) fs::remove_all(options_.folder);
+    fs::create_directories(options_.folder);
+    writeFile(file("key"), key);
+    std::string list;
+    for (const std::string& name : names_) list += name + '\n';
+    writeFile(file("photographs.txt"), list);
+  }
+
+  bool wanted(const char* stage, std::size_t done, std::size_t total) const {
+    return !progress_ || progress_({stage, done, total});
+  }
+
+  // Runs a command of the program unless it has been run to its end before.
+  void step(const std::string& command, const char* stage, const std::vector<std::string>& arguments,
+            const std::function<std::optional<Count>(std::string_view)>& progressOf) {
+    if (fs::exists(file(command + ".done"))) return;
+    std::vector<std::string> line{options_.program, command};
+    line.insert(line.end(), arguments.begin(), arguments.end());
+    const fs::path logFile = file(command + ".log");
+    std::ofstream all(logFile, std::ios::app);
+    std::deque<std::string> last;
+    Count count{0, names_.size()};
+    bool nothing = false;  // it did what it could
+    const ChildResult result = run(
+        line,
+        [&](std::string_view text) {
+          all << text << '\n';
+          last.emplace_back(text);
+          if (last.size() > kLinesInErrors) last.pop_front();
+          nothing = nothing || text.find("failed to create sparse model") != text.npos;
+          if (const auto now = progressOf(text)) count = *now;
+        },
+        [&] { return wanted(stage, std::min(count.done, count.total), count.total); });
+    check(!result.stopped, ErrorCode::cancelled, "{} was cancelled; called again it goes on from there", stage);
+    if (nothing) return;
+    check(result.status == 0, ErrorCode::io, "{} {} failed with exit status {}. Its last lines (all are in {}):\n{}",
+          options_.program, command, result.status, logFile.string(), fmt::join(last, "\n"));
+    writeFile(file(command + ".done"), std::string_view("done\n"));
+  }
+
+  ChildResult run(const std::vector<std::string>& line, const std::function<void(std::string_view)>& print,
+                  const std::function<bool()>& goesOn) const {
+    try {
+      return runChild(line, {{"QT_QPA_PLATFORM", "offscreen"}}, print, goesOn);
+    } catch (const Error& e) {
+      if (e.code() != ErrorCode::io) throw;
+      fail(ErrorCode::io,
+           "{}. Photographs without poses need the program COLMAP: install it (Debian: apt-get install colmap) or name "
+           "it (--colmap), or give poses (--model, --transforms, --panoramas)",
+           e.what());
+    }
+  }
+
+  // Version 4 has other names for what is done on a graphics card.
+  void learnNames() {
+    bool newer = false;
+    run({options_.program, "feature_extractor", "--help"},
+        [&](std::string_view text) { newer = newer || text.find("FeatureExtraction.use_gpu") != text.npos; },
+        [&] { return wanted(kFeatures, 0, names_.size()); });
+    extraction_ = newer ? "--FeatureExtraction" : "--SiftExtraction";
+    matching_ = newer ? "--FeatureMatching" : "--SiftMatching";
+  }
+
+  std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
+
+  void findFeatures() {
+    learnNames();
+    // Photographs of one size are most often of one lens: its focal length is then found more surely.
+    step("feature_extractor", kFeatures,
+         {"--database_path", file("database.db").string(), "--image_path", options_.photographs.string(),
+          "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize_ ? "1" : "0",
+          extraction_ + ".use_gpu", "0", extraction_ + ".num_threads", threads()},
+         bracketed);
+  }
+
+  void matchFeatures() {
+    std::vector<std::string> arguments{"--database_path",     file("database.db").string(), matching_ + ".use_gpu", "0",
+                                       matching_ + ".num_threads", threads()};
+    const bool all = names_.size() <= kMostExhaustive;
+    step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments, bracketed);
+  }
+
+  void estimate() {
+    fs::remove_all(file("sparse"));  // a half-finished one is begun anew
+    fs::create_directories(file("sparse"));
+    step("mapper", kMapping,
+         {"--database_path", file("database.db").string(), "--image_path", options_.photographs.string(),
+          "--output_path", file("sparse").string(), "--Mapper.num_threads", threads()},
+         [this](std::string_view text) -> std::optional<Count> {
+           const auto done = registered(text);
+           if (!done) return std::nullopt;
+           return Count{*done, names_.size()};
+         });
+  }
+
+  PoseReport largestModel() const {
+    PoseReport report;
+    report.photographs = names_.size();
+    std::vector<fs::path> folders;
+    for (const auto& entry : fs::directory_iterator(file("sparse")))
+      if (entry.is_directory()) folders.push_back(entry.path());
+    std::ranges::sort(folders);
+    for (const fs::path& folder : folders) {
+      const PosedModel model = readColmapModel(folder);
+      if (model.images.size() <= report.registered) continue;
+      report.model = folder;
+      report.registered = model.images.size();
+      report.points = model.tracks.size();
+    }
+    check(report.registered > 0, ErrorCode::invalidInput,
+          "{}: COLMAP found no poses: these photographs share too little of what they show. Its words are in {}",
+          options_.photographs.string(), file("mapper.log").string());
+    if (log_) {
+      log_(LogLevel::info, fmt::format("COLMAP registered {} of {} photographs, with {} points: {}", report.registered,
+                                       report.photographs, report.points, report.model.string()));
+      if (folders.size() > 1)
+        log_(LogLevel::warning, fmt::format("the photographs fall into {} groups that share nothing: only the largest is "
+                                            "used",
+                                            folders.size()));
+    }
+    return report;
+  }
+
+  const PoseOptions& options_;
+  const ProgressCallback& progress_;
+  const LogCallback& log_;
+  std::vector<std::string> names_;
+  int width_ = 0, height_ = 0;
+  bool sameSize_ = true;
+  std::string extraction_, matching_;
+};
+
+}  // namespace
+
+PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+  return Estimator(options, progress, log).run();
+}
+
+}  // namespace ibr

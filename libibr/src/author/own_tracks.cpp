@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/own_tracks.h"
+
+#include <fmt/format.h>
+
+#include "author/cell_maker.h"
+#include "author/posed_model.h"
+#include "author/tracks.h"
+
+namespace ibr {
+namespace {
+
+// Median reprojection error up to which poses count as exact. Features are found to about 0.13 px.
+constexpr double kExactPx = 0.2;
+
+}  // namespace
+
+const char* trackSourceName(TrackSource source) {
+  return source == TrackSource::automatic ? "auto" : source == TrackSource::model ? "model" : "own";
+}
+
+void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
+  if (options.tracks == TrackSource::model) return;
+  if (options.tracks == TrackSource::own) input.model.tracks.clear();
+  PairOptions wanted;
+  // Of a model with tracks, those that are far from each other and share few have been tried.
+  if (!input.model.tracks.empty()) wanted.neighbours = 5;
+  const std::vector<ImagePair> pairs = pairsWithoutTracks(input.model, wanted);
+  if (pairs.empty()) return;
+  OwnTracksInput own;
+  own.keep = keptFolder(options);
+  own.view = [&](std::size_t i) { return viewOf(input.photographs[i]); };
+  for (std::uint32_t i = 0; i < input.photographs.size(); ++i) {
+    Hash hash;
+    addPhotograph(hash, input, i);
+    own.hashes.push_back(hash.value());
+  }
+  const bool none = input.model.tracks.empty();
+  std::vector<Track> tracks = makeTracks(
+      input.model, pairs, own, [&](std::string_view stage, std::size_t count, double bytesEach,
+                                   const std::function<void(std::size_t)>& job) {
+        jobs.runAll(stage, count, bytesEach, job);
+      });
+  if (log)
+    log(LogLevel::info, fmt::format("{} pairs of photographs have few tracks or none: found {} of our own",
+                                    pairs.size(), tracks.size()));
+  input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(tracks.begin()),
+                            std::make_move_iterator(tracks.end()));
+  input.tracksOf = tracksOfImages(input.model);
+  if (none) input.refine = reprojectionError(input.model) > kExactPx;
+  input.plan = planCells(input.model, options);
+}
+
+}  // namespace ibr

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// A build's tracks: those of its model, and where these are missing or few, our own (tracks.h).
+#pragma once
+
+#include "author/build_input.h"
+#include "author/build_jobs.h"
+
+namespace ibr {
+
+const char* trackSourceName(TrackSource source);
+
+/// Finds tracks for pairs of photographs that lack them, and plans the cells anew with them. Precondition: the
+/// photographs are stored. Throws Error (io, cancelled).
+void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log);
+
+}  // namespace ibr

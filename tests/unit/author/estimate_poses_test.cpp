@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// estimatePoses with a program that stands for COLMAP (fake_colmap.sh), and running other programs.
+#include <signal.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "author/child_process.h"
+#include "base/file.h"
+#include "ibr/author.h"
+#include "ibr/error.h"
+#include "io/image_file.h"
+#include "support/posed_rig.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// Four photographs; COLMAP would find a model of three of them and one of two.
+class Place {
+ public:
+  Place() {
+    fs::create_directories(folder / "photos/more");
+    for (const char* name : {"a.png", "b.png", "more/c.png", "d.png"})
+      writeImage(folder / "photos" / name, Image8(40, 30, 3, 99));
+    writeFile(folder / "photos/notes.txt", "no picture");
+    writeModel("0", {"b.png", "d.png"});
+    writeModel("1", {"a.png", "b.png", "more/c.png"});
+    ::setenv("FAKE_COLMAP", folder.path().c_str(), 1);
+  }
+  void writeModel(const std::string& number, const std::vector<std::string>& names) {
+    std::vector<Camera> cameras;
+    for (std::size_t i = 0; i < names.size(); ++i)
+      cameras.push_back(test::lookingAlong({double(i), 0, 0}, {0, 1, 0}, 40, 30));
+    PosedModel model = test::modelOf(cameras, {{0.5, 4, 0}, {0.6, 4, 0}});
+    for (std::size_t i = 0; i < names.size(); ++i) model.images[i].name = names[i];
+    test::writeColmapModel(model, folder / "models" / number);
+  }
+  PoseOptions options() const {
+    PoseOptions o;
+    o.photographs = folder / "photos";
+    o.folder = folder / "poses";
+    o.program = IBR_FAKE_COLMAP;
+    return o;
+  }
+  // The commands that were run, in order.
+  std::vector<std::string> calls() const {
+    std::vector<std::string> commands;
+    std::string text = fs::exists(folder / "calls") ? readTextFile(folder / "calls") : "";
+    for (std::size_t end; (end = text.find('\n')) != text.npos; text.erase(0, end + 1)) {
+      const std::string line = text.substr(0, end);
+      CHECK(line.starts_with("offscreen "));
+      commands.push_back(line.substr(10, line.find(' ', 10) - 10));
+    }
+    return commands;
+  }
+  void touch(const std::string& name) const { writeFile(folder / name, std::string_view("")); }
+
+  test::TemporaryFolder folder;
+};
+
+template <class F>
+Error errorOf(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  FAIL("nothing was thrown");
+  return Error(ErrorCode::io, "");
+}
+
+using Calls = std::vector<std::string>;
+const Calls kAll{"feature_extractor", "exhaustive_matcher", "mapper"};
+
+}  // namespace
+
+TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
+  const Place place;
+  std::map<std::string, std::set<std::size_t>> seen;
+  std::vector<std::string> messages;
+  const PoseReport report = estimatePoses(
+      place.options(),
+      [&](const Progress& p) {
+        CHECK(p.done <= p.total);
+        seen[std::string(p.stage)].insert(p.done);
+        return true;
+      },
+      [&](LogLevel, std::string_view text) { messages.emplace_back(text); });
+  CHECK(report.photographs == 4);
+  CHECK(report.registered == 3);
+  CHECK(report.points == 2);
+  CHECK(report.model == place.folder / "poses/sparse/1");
+  CHECK(readColmapModel(report.model).images.size() == 3);
+  CHECK(place.calls() == kAll);
+  REQUIRE(messages.size() == 2);
+  CHECK_THAT(messages[0], Contains("3 of 4 photographs"));
+  CHECK_THAT(messages[1], Contains("2 groups"));
+  CHECK(readTextFile(place.folder / "poses/photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
+  const std::string calls = readTextFile(place.folder / "calls");
+  CHECK_THAT(calls, Contains("--SiftExtraction.use_gpu 0") && Contains("--SiftMatching.use_gpu 0") &&
+                        Contains("--ImageReader.single_camera 1"));
+  CHECK_THAT(readTextFile(place.folder / "poses/mapper.log"), Contains("Registering image #2"));
+
+  // Nothing is done twice.
+  CHECK(estimatePoses(place.options()).registered == 3);
+  CHECK(place.calls() == kAll);
+  // Another photograph: all anew. It has another size, and so has a camera of its own.
+  writeImage(place.folder / "photos/e.png", Image8(30, 40, 3));
+  place.touch("newer");
+  estimatePoses(place.options());
+  CHECK(place.calls().size() == 6);
+  const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
+  CHECK_THAT(later, Contains("--FeatureExtraction.use_gpu 0") && Contains("--FeatureMatching.use_gpu 0") &&
+                        Contains("--ImageReader.single_camera 0"));
+}
+
+TEST_CASE("many photographs are matched in their order") {
+  const Place place;
+  for (int i = 0; i < 60; ++i)
+    fs::copy_file(place.folder / "photos/a.png", place.folder / "photos" / (std::to_string(i) + ".png"));
+  CHECK(estimatePoses(place.options()).photographs == 64);
+  CHECK(place.calls() == Calls{"feature_extractor", "sequential_matcher", "mapper"});
+}
+
+TEST_CASE("a step that fails says so with its last lines, and is the first to be tried again") {
+  const Place place;
+  place.touch("FAIL-mapper");
+  const Error error = errorOf([&] { estimatePoses(place.options()); });
+  CHECK_THAT(error.what(), Contains("mapper failed with exit status 3") && Contains("no good initial pair") &&
+                               Contains("poses/mapper.log"));
+  fs::remove(place.folder / "FAIL-mapper");
+  CHECK(estimatePoses(place.options()).registered == 3);
+  CHECK(place.calls() == Calls{"feature_extractor", "exhaustive_matcher", "mapper", "mapper"});
+}
+
+TEST_CASE("a cancelled step ends the program and all that it has started") {
+  const Place place;
+  place.touch("SLEEP-exhaustive_matcher");
+  const Error error = errorOf([&] {
+    estimatePoses(place.options(), [&](const Progress&) { return !fs::exists(place.folder / "sleeper"); });
+  });
+  CHECK(error.code() == ErrorCode::cancelled);
+  const pid_t sleeper = std::stoi(readTextFile(place.folder / "sleeper"));
+  bool gone = false;
+  for (int i = 0; i < 200 && !gone; ++i) {
+    gone = ::kill(sleeper, 0) != 0;
+    if (!gone) ::usleep(10000);
+  }
+  CHECK(gone);
+  fs::remove(place.folder / "SLEEP-exhaustive_matcher");
+  CHECK(estimatePoses(place.options()).registered == 3);
+  CHECK(place.calls() == Calls{"feature_extractor", "exhaustive_matcher", "exhaustive_matcher", "mapper"});
+}
+
+TEST_CASE("without the program, without photographs, without poses") {
+  Place place;
+  PoseOptions options = place.options();
+  options.program = "no-such-colmap";
+  const Error missing = errorOf([&] { estimatePoses(options); });
+  CHECK(missing.code() == ErrorCode::io);
+  CHECK_THAT(missing.what(), Contains("no-such-colmap") && Contains("install") && Contains("--model"));
+
+  options = place.options();
+  options.photographs = place.folder / "nowhere";
+  CHECK_THAT(errorOf([&] { estimatePoses(options); }).what(), Contains("nowhere"));
+  fs::create_directories(place.folder / "empty");
+  options.photographs = place.folder / "empty";
+  CHECK_THAT(errorOf([&] { estimatePoses(options); }).what(), Contains("2 photographs or more"));
+
+  fs::remove_all(place.folder / "models");
+  fs::create_directories(place.folder / "models");
+  const Error none = errorOf([&] { estimatePoses(place.options()); });
+  CHECK(none.code() == ErrorCode::invalidInput);
+  CHECK_THAT(none.what(), Contains("found no poses"));
+  // COLMAP calls that a failure, too.
+  fs::remove_all(place.folder / "poses");
+  place.touch("NONE-mapper");
+  CHECK_THAT(errorOf([&] { estimatePoses(place.options()); }).what(), Contains("found no poses"));
+}
+
+TEST_CASE("programs are run with their words read line by line") {
+  std::vector<std::string> lines;
+  const auto keep = [&](std::string_view line) { lines.emplace_back(line); };
+  const auto on = [] { return true; };
+  const ChildResult result =
+      runChild({"sh", "-c", "echo one; echo; printf 'two\\rthree' >&2; echo \" $WORD\"; cat; exit 7"},
+               {{"WORD", "a b"}}, keep, on);
+  CHECK(result.status == 7);
+  CHECK_FALSE(result.stopped);
+  CHECK(lines == std::vector<std::string>{"one", "two", "three a b"});
+  CHECK(runChild({"sh", "-c", "kill -9 $$"}, {}, keep, on).status == 128 + 9);
+  // Much, and without a last line end.
+  std::size_t count = 0, length = 0;
+  runChild({"sh", "-c", "i=0; while [ $i -lt 3000 ]; do echo 0123456789012345678901234567890123456789; i=$((i+1)); done; "
+                        "printf end"},
+           {},
+           [&](std::string_view line) {
+             ++count;
+             length += line.size();
+           },
+           on);
+  CHECK(count == 3001);
+  CHECK(length == 3000 * 40 + 3);
+  CHECK(errorOf([&] { runChild({"/no/such/program"}, {}, keep, on); }).code() == ErrorCode::io);
+}

@@ -1,0 +1,35 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Stands for the program colmap in tests: says what COLMAP says, and copies FAKE_COLMAP/models to where models go.
+# FAKE_COLMAP also holds what it was called with (calls), and may hold FAIL-COMMAND, NONE-COMMAND and
+# SLEEP-COMMAND.
+set -eu
+command=$1
+if [ "${2:-}" = --help ]; then
+  [ ! -e "$FAKE_COLMAP/newer" ] || echo "  --FeatureExtraction.use_gpu arg (=1)"
+  exit 0
+fi
+echo "$QT_QPA_PLATFORM $*" >>"$FAKE_COLMAP/calls"
+case $command in
+  feature_extractor) printf 'Processed file [1/4]\nProcessed file [2/4]\n' ;;
+  exhaustive_matcher) echo 'Matching block [1/2, 2/2] in 3.2s' ;;
+  sequential_matcher) echo 'Matching image [1/4] in 0.1s' ;;
+  mapper) echo 'Registering image #2 (3)' ;;
+esac
+if [ -e "$FAKE_COLMAP/SLEEP-$command" ]; then
+  sleep 600 &
+  echo $! >"$FAKE_COLMAP/sleeper"
+  wait
+fi
+if [ -e "$FAKE_COLMAP/FAIL-$command" ]; then
+  echo "E20250101 mapper.cc:12] no good initial pair" >&2
+  exit 3
+fi
+if [ -e "$FAKE_COLMAP/NONE-$command" ]; then
+  echo "ERROR: failed to create sparse model"
+  exit 1
+fi
+if [ "$command" = mapper ]; then
+  while [ "$1" != --output_path ]; do shift; done
+  cp -r "$FAKE_COLMAP/models/." "$2"
+fi
