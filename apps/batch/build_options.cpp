@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/build_options.h"
 
+#include <cstddef>
 #include <vector>
 
 #include "base/check.h"
@@ -45,7 +46,8 @@ std::vector<std::string> namesIn(const fs::path& file) {
 
 }  // namespace
 
-void declareBuildOptions(CLI::App& app, BuildChoices& choices) {
+std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
+  const std::vector<CLI::Option*> before = app.get_options();
   app.add_option(
          "--model", choices.model,
          "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
@@ -77,6 +79,8 @@ void declareBuildOptions(CLI::App& app, BuildChoices& choices) {
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
                  "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
+  const std::vector<CLI::Option*> all = app.get_options();  // in the order of their declaration
+  return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
 }
 
 BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photographs, const Context& context) {

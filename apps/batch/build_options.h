@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "batch/context.h"
 #include "ibr/author.h"
@@ -16,8 +17,8 @@ struct BuildChoices {
   std::string model, transforms, panoramas, excludeFrom;
 };
 
-/// All but the photographs' and the scene's folder.
-void declareBuildOptions(CLI::App& app, BuildChoices& choices);
+/// All but the photographs' and the scene's folder. Gives what it declared.
+std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
 /// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
 /// building runs COLMAP. Throws Error.

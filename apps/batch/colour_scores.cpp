@@ -47,7 +47,7 @@ double seamStep(const Image8& picture, const ImageF& surface, const Image8& trut
   return count > 0 ? sum / double(count) : NAN;
 }
 
-double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask) {
+Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask) {
   std::array<double, 3> product{}, square{};
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)
@@ -65,7 +65,11 @@ double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& 
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) fitted.pixel(x, y)[c] = table[picture.pixel(x, y)[c]];
   }
-  return deltaE(fitted, truth, mask);
+  return fitted;
+}
+
+double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask) {
+  return deltaE(gainFitted(picture, truth, mask), truth, mask);
 }
 
 }  // namespace ibr::app

@@ -10,9 +10,12 @@ namespace ibr::app {
 /// 255, mean over channels; NaN where no two cells meet. `surface`: FrameBuffers::surface of the picture.
 double seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
 
-/// Mean ΔE*ab over the mask after each channel of the picture was multiplied, in linear light, by the gain that fits
-/// the truth best (least squares; what is clipped does not count). The exposure of a picture is a matter of taste; how
-/// it changes within it is not.
+/// The picture (RGB) after each channel was multiplied, in linear light, by the gain that fits the truth best over the
+/// mask (least squares; what is clipped does not count). The exposure of a picture is a matter of taste; how it changes
+/// within it is not.
+Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
+
+/// Mean ΔE*ab over the mask of what gainFitted gives.
 double gainFreeDeltaE(const Image8& picture, const Image8& truth, const Image8& mask);
 
 }  // namespace ibr::app

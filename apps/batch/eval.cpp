@@ -1,179 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "base/check.h"
-#include "batch/colour_scores.h"
+#include "batch/build_options.h"
 #include "batch/command.h"
+#include "batch/evaluator.h"
+#include "batch/leave_one_out.h"
 #include "batch/options.h"
-#include "batch/pictures.h"
 #include "batch/poses.h"
 #include "batch/progress.h"
-#include "batch/scene_renderer.h"
 #include "batch/settings.h"
-#include "batch/table.h"
 #include "batch/truth.h"
-#include "ibr/metrics.h"
-#include "io/image_file.h"
-
-namespace fs = std::filesystem;
 
 namespace ibr::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr int kDifferenceGain = 4;
-
 struct Options {
   std::string scene, truth, output;
   std::vector<std::string> views;
-  bool leaveOneOut = false, seams = false;
-  RenderSettings settings;
-  GpuSceneOptions gpuScene;
+  EvaluationOptions evaluation;
+  LeaveOneOutOptions leaveOneOut;
+  BuildChoices build;
 };
-
-struct Scores {
-  double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered, seam,
-      deltaE, milliseconds;
-};
-
-struct Figure {
-  const char* name;  // in JSON
-  const char* heading;
-  int decimals;
-  double Scores::*value;
-};
-constexpr Figure kFigures[] = {{"psnr", "PSNR", 2, &Scores::psnr},
-                               {"ssim", "SSIM", 4, &Scores::ssim},
-                               {"flip", "FLIP", 4, &Scores::flip},
-                               {"coverage", "coverage", 3, &Scores::coverage},
-                               {"coverageTier0", "tier 0", 3, &Scores::coverageTier0},
-                               {"coverageTier1", nullptr, 3, &Scores::coverageTier1},
-                               {"coverageTier2", nullptr, 3, &Scores::coverageTier2},
-                               {"psnrCovered", "PSNR covered", 2, &Scores::psnrCovered},
-                               {"ssimCovered", "SSIM covered", 4, &Scores::ssimCovered},
-                               {"seam", nullptr, 3, &Scores::seam},
-                               {"deltaE", nullptr, 3, &Scores::deltaE},
-                               {"milliseconds", "ms", 1, &Scores::milliseconds}};
-
-// `prediction` has alpha of AlphaContent::tier; its holes are black.
-Scores score(const SceneRenderer::Picture& prediction, const Image8& truth) {
-  const Image8& image = prediction.image;
-  Image8 mask(image.width, image.height, 1);
-  std::size_t covered = 0;
-  for (std::size_t i = 0; i < mask.values.size(); ++i) {
-    const std::uint8_t alpha = image.values[4 * i + 3];
-    mask.values[i] = alpha > 0;
-    covered += alpha > 0;
-  }
-  const double pixels = double(mask.values.size());
-  const std::array<double, 4> tiers = tierShares(image);
-  return {.psnr = psnr(image, truth),
-          .ssim = ssim(image, truth),
-          .flip = flip(image, truth),
-          .coverage = double(covered) / pixels,
-          .coverageTier0 = tiers[kTierAgrees],
-          .coverageTier1 = tiers[kTierRejected],
-          .coverageTier2 = tiers[kTierBackdrop],
-          .psnrCovered = psnr(image, truth, mask),
-          .ssimCovered = ssim(image, truth, mask),
-          .seam = prediction.buffers ? seamStep(image, prediction.buffers->surface, truth) : std::nan(""),
-          .deltaE = prediction.buffers ? gainFreeDeltaE(image, truth, mask) : std::nan(""),
-          .milliseconds = prediction.milliseconds};
-}
-
-Json scoresJson(const Scores& scores) {
-  Json json = Json::object();
-  for (const Figure& figure : kFigures) json[figure.name] = scores.*figure.value;
-  return json;
-}
-
-std::vector<std::string> scoresRow(const std::string& name, const Scores& scores) {
-  std::vector<std::string> row{name};
-  for (const Figure& figure : kFigures)
-    if (figure.heading) row.push_back(numberText(scores.*figure.value, figure.decimals));
-  return row;
-}
-
-// Over the views that have the figure: a view without cover has no psnrCovered.
-Scores mean(const std::vector<Scores>& all) {
-  Scores result{};
-  for (const Figure& figure : kFigures) {
-    double sum = 0;
-    std::size_t count = 0;
-    for (const Scores& scores : all)
-      if (!std::isnan(scores.*figure.value)) {
-        sum += scores.*figure.value;
-        ++count;
-      }
-    result.*figure.value = count > 0 ? sum / double(count) : std::nan("");
-  }
-  return result;
-}
 
 ExitCode evaluate(const Options& options, const Context& context) {
-  check(!options.leaveOneOut, ErrorCode::unsupported,
-        "--leave-one-out is not there yet; build with --exclude and give the photographs as --truth with --views");
   const Scene scene = loadScene(options.scene);
   const Truth truth(options.truth, options.views, context.log());
   const std::vector<View>& views = truth.views();
-  if (!options.output.empty()) {
+  if (!options.evaluation.pictures.empty()) {
     checkNamesDiffer(views);
-    for (const View& view : views) pictureFile(options.output, view.name);
+    for (const View& view : views) evaluationFiles(options.evaluation, view.name);
   }
-  RendererOptions prepared = optionsFor(options.settings, {});
-  if (options.seams) prepared.buffers = &scene;
-  SceneRenderer renderer(scene, views, options.gpuScene, prepared, context);
-  RenderSettings settings = options.settings;
-  settings.alpha = AlphaContent::tier;
-  settings.background = glm::vec3(0.0f);
-
-  std::vector<Scores> all;
-  Json viewsJson = Json::array();
-  Table table;
-  std::vector<std::string> heading{"view"};
-  for (const Figure& figure : kFigures)
-    if (figure.heading) heading.push_back(figure.heading);
-  table.row(heading);
+  Evaluator evaluator(scene, views, options.evaluation, context);
+  std::vector<ViewOutcome> outcomes;
   {
     ProgressLine progress(context);
     for (std::size_t i = 0; i < views.size(); ++i) {
       check(progress.show({"evaluating", i, views.size()}), ErrorCode::cancelled, "stopped");
-      const Image8 photograph = truth.picture(views[i]);
-      PlanState alone;
-      // A driver compiles on first use: the first picture is made twice, and the second is timed.
-      if (i == 0) renderer.render(views[i].camera, settings, alone);
-      alone = {};
-      const auto prediction = renderer.render(views[i].camera, settings, alone);
-      all.push_back(score(prediction, photograph));
-      table.row(scoresRow(views[i].name, all.back()));
-      Json view{{"name", views[i].name}};
-      view.update(scoresJson(all.back()));
-      viewsJson.push_back(std::move(view));
-      if (options.output.empty()) continue;
-      const fs::path file = pictureFile(options.output, views[i].name);
-      fs::create_directories(file.parent_path());
-      const Image8 shown = rgb(prediction.image);
-      writeImage(file, sideBySide({shown, photograph, absoluteDifference(shown, photograph, kDifferenceGain)}));
+      outcomes.push_back(evaluator.evaluate(views[i], truth.picture(views[i])));
     }
     progress.show({"evaluating", views.size(), views.size()});
   }
-  const Scores means = mean(all);
-  table.row(scoresRow("mean", means));
-  context.print("{}", table.text());
-  if (options.seams)
-    context.print("seams {} levels, colours ΔE {}\n", numberText(means.seam, 3), numberText(means.deltaE, 3));
-  context.report(Json{{"views", viewsJson},
-                      {"mean", scoresJson(means)},
-                      {"device", renderer.deviceName()},
-                      {"settings", settingsJson(settings, options.gpuScene)},
-                      {"scene", options.scene}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  reportOutcomes(outcomes, options.evaluation,
+                 {{"device", evaluator.deviceName()},
+                  {"settings", settingsJson(options.evaluation.settings, options.evaluation.gpuScene)},
+                  {"scene", options.scene}},
+                 context);
   return kExitOk;
+}
+
+// Options that were given, with their values, but for those that change no score.
+std::vector<std::string> wordsThatCount(CLI::App& app) {
+  static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views", "--work",  "--output",
+                                               "--json",          "--quiet", "--verbose", "--threads"};
+  std::vector<std::string> words;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || kNotThese.contains(option->get_name())) continue;
+    words.push_back(option->get_name());
+    for (const std::string& value : option->results()) words.push_back(value);
+  }
+  return words;
 }
 
 }  // namespace
@@ -183,36 +73,61 @@ const Command kEvalCommand{
     .summary = "Compares rendered views with photographs that were held out",
     .examples =
         "ibr eval scene --truth held-out\n"
-        "ibr eval scene --truth photographs --views IMG_0007.jpg IMG_0015.jpg -o compared\n"
-        "ibr eval scene --truth held-out --cells 1 --tiers 0 --json -",
+        "ibr eval scene --truth photographs --views IMG_0007.jpg IMG_0015.jpg -o compared --baselines\n"
+        "ibr eval scene --truth held-out --cells 1 --tiers 0 --json -\n"
+        "ibr eval --leave-one-out photographs --model colmap/sparse/0 --every 3 -o compared",
     .details =
-        "DIR has images/ and a COLMAP model in sparse/ (or both in DIR). PSNR is on 8-bit values; holes count as black "
-        "in "
-        "PSNR, SSIM and FLIP and are left out of the 'covered' columns. -o writes prediction, truth and four times the "
-        "difference "
-        "side by side. ms is the time from planning until the picture is on the host. In JSON, PSNR is null where "
-        "nothing is "
-        "covered and where pictures are equal.",
-    .afterInterrupt = "Nothing was reported; run the same command again.",
+        "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene without "
+        "each photograph and renders its view; cells that do not have it are matched once; options of ibr build apply. "
+        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. "
+        "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until the "
+        "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
+    .afterInterrupt = "What was finished of --leave-one-out is kept: run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      EvaluationOptions& evaluation = options->evaluation;
+      auto* scene = app.add_option("SCENE", options->scene, "Scene folder");
       auto* truth =
           app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
+      auto* rebuilt = app.add_option("--leave-one-out", options->leaveOneOut.photographs,
+                                         "Build without each of these photographs, and compare with it")
+                              ->type_name("PHOTOS");
+      rebuilt->excludes(scene)->excludes(truth);
       app.add_option("--views", options->views, "Only these views, by name")->type_name("NAME...");
       app.add_option("-o,--output", options->output, "Folder for prediction, truth and difference")->type_name("DIR");
-      // Accepted so that the answer can be a sentence; hidden until it works.
-      auto* leaveOneOut = app.add_flag("--leave-one-out", options->leaveOneOut)->group("");
-      truth->excludes(leaveOneOut);
-      app.add_flag("--seams", options->seams,
+      app.add_flag("--seams", evaluation.seams,
                    "Also the step in colour from cell to cell beyond the truth's, in levels, and the colour difference "
                    "(CIE 1976) that the best gain of each channel leaves");
-      declareSettings(app, options->settings);
-      declareGpuScene(app, options->gpuScene);
-      app.callback([options] {
-        if (options->truth.empty() && !options->leaveOneOut) throw CLI::RequiredError("--truth");
+      app.add_flag("--fit-gain", evaluation.fitGain,
+                   "Also PSNR after the best gain of each channel: exposures of photographs differ");
+      app.add_flag("--baselines", evaluation.baselines,
+                   "Also simpler ways to show the same photographs: the nearest one by homography, an unstructured "
+                   "lumigraph on the matches' depth, a cross-fade without morphing, the paper's morph, the paper's "
+                   "order");
+      declareSettings(app, evaluation.settings);
+      declareGpuScene(app, evaluation.gpuScene);
+      std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
+                                            "Of --leave-one-out: hold every Nth photograph out [1]")};
+      only.push_back(app.add_option("--work", options->leaveOneOut.work,
+                                    "Of --leave-one-out: folder for what is built; kept, so that the next run with "
+                                    "other settings need not match again [a temporary one, gone at the end]")
+                         ->type_name("DIR"));
+      for (CLI::Option* option : declareBuildOptions(app, options->build)) only.push_back(option);
+      for (CLI::Option* option : only) option->needs(rebuilt);
+      app.callback([options, &app] {
+        if (!options->leaveOneOut.photographs.empty()) {
+          options->leaveOneOut.words = wordsThatCount(app);
+          return;
+        }
+        if (options->scene.empty()) throw CLI::RequiredError("SCENE (or --leave-one-out)");
+        if (options->truth.empty()) throw CLI::RequiredError("--truth (or --leave-one-out)");
       });
-      return [options](const Context& context) { return evaluate(*options, context); };
+      return [options](const Context& context) {
+        options->evaluation.pictures = options->output;
+        if (options->leaveOneOut.photographs.empty()) return evaluate(*options, context);
+        options->leaveOneOut.views = options->views;
+        return leaveOneOut(options->leaveOneOut, options->build, options->evaluation, context);
+      };
     }};
 
 }  // namespace ibr::app

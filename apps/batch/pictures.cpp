@@ -51,6 +51,12 @@ Image8 absoluteDifference(const Image8& a, const Image8& b, int gain) {
   return out;
 }
 
+Image8 coverOf(const Image8& image) {
+  Image8 cover(image.width, image.height, 1);
+  for (std::size_t i = 0; i < cover.values.size(); ++i) cover.values[i] = image.values[4 * i + 3] > 0 ? 255 : 0;
+  return cover;
+}
+
 Image8 sideBySide(const std::vector<Image8>& images) {
   int width = 0;
   for (const Image8& image : images) width += image.width;

@@ -21,6 +21,9 @@ std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buf
 /// |a − b| channel by channel, times `gain`, over R, G, B. Precondition: equal sizes, 3 channels or more.
 Image8 absoluteDifference(const Image8& a, const Image8& b, int gain);
 
+/// Where a picture with alpha shows something: 255, else 0; one channel.
+Image8 coverOf(const Image8& image);
+
 /// Pictures of equal height, left to right; 3 channels each.
 Image8 sideBySide(const std::vector<Image8>& images);
 

@@ -62,35 +62,57 @@ void writeColmapModel(const fs::path& folder, const std::vector<NamedCamera>& ca
   writeModel(folder, cameras, {});
 }
 
-TinySet makeTinySet(const fs::path& folder) {
+namespace {
+
+const glm::dquat kAhead(1, 0, 0, 0);
+
+SyntheticOptions beforeWall(const std::vector<glm::dvec3>& positions) {
   SyntheticOptions options;
-  for (const glm::dvec3 position : {glm::dvec3(0, 0, 0), glm::dvec3(0.5, 0, 0), glm::dvec3(0.2, 0.4, 0)})
-    options.cameras.push_back({pinholeFromFov(192, 144, 0.9), {position, {1, 0, 0, 0}}});
+  for (const glm::dvec3& position : positions)
+    options.cameras.push_back({pinholeFromFov(192, 144, 0.9), {position, kAhead}});
   options.planes.push_back({.origin = {0, 0, -5}, .extentU = 16, .extentV = 12, .wavelength = 0.25});
   options.planes.push_back({.origin = {0.6, 0.1, -3.5}, .extentU = 1.2, .extentV = 1, .seed = 2, .wavelength = 0.2});
   options.gridStep = 12;
-  const SyntheticScene made = makeScene(options);
+  return options;
+}
 
-  TinySet set{folder / "photographs", {}, folder / "truth"};
-  const char* const names[] = {"a/0.png", "a/1.png", "b/2.png"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    set.cameras.push_back({names[i], options.cameras[i]});
-    fs::create_directories((set.photographs / names[i]).parent_path());
-    writeImage(set.photographs / names[i], made.photographs[i]);
+// Photographs and their model, with the vertices of the made scene's cells for tracks.
+std::vector<NamedCamera> writePhotographs(const fs::path& folder, const SyntheticScene& made,
+                                          const std::vector<std::string>& names) {
+  std::vector<NamedCamera> cameras;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    cameras.push_back({names[i], made.scene.nodes[i].camera});
+    fs::create_directories((folder / names[i]).parent_path());
+    writeImage(folder / names[i], made.photographs[i]);
   }
   std::vector<Point> points;
-  const Cell& cell = made.scene.cells.at(0);
-  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
-    points.push_back({vertexPosition(made.scene, cell, p).value(), {}});
-    for (std::size_t i = 0; i < cell.members.size(); ++i)
-      points.back().observations.push_back({cell.members[i], cell.mesh.match[i][p]});
-  }
-  writeModel(set.photographs / "sparse", set.cameras, points);
-  const Camera between{options.cameras[0].intrinsics, {glm::dvec3(0.23, 0.13, 0), {1, 0, 0, 0}}};
+  for (const Cell& cell : made.scene.cells)
+    for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+      points.push_back({vertexPosition(made.scene, cell, p).value(), {}});
+      for (std::size_t i = 0; i < cell.members.size(); ++i)
+        points.back().observations.push_back({cell.members[i], cell.mesh.match[i][p]});
+    }
+  writeModel(folder / "sparse", cameras, points);
+  return cameras;
+}
+
+}  // namespace
+
+TinySet makeTinySet(const fs::path& folder) {
+  const SyntheticScene made = makeScene(beforeWall({{0, 0, 0}, {0.5, 0, 0}, {0.2, 0.4, 0}}));
+  TinySet set{folder / "photographs", {}, folder / "truth"};
+  set.cameras = writePhotographs(set.photographs, made, {"a/0.png", "a/1.png", "b/2.png"});
+  const Camera between{set.cameras[0].camera.intrinsics, {glm::dvec3(0.23, 0.13, 0), kAhead}};
   writeColmapModel(set.truth / "sparse", {{"between.png", between}});
   fs::create_directories(set.truth / "images");
   writeImage(set.truth / "images/between.png", renderTruth(made, between));
   return set;
+}
+
+std::vector<NamedCamera> makeRow(const fs::path& folder) {
+  SyntheticOptions options = beforeWall({{0, 0, 0}, {0.3, 0, 0}, {0.6, 0, 0}, {0.9, 0, 0}, {1.2, 0, 0}});
+  options.cells = {{0, 1, 2, 3}, {1, 2, 3, 4}};
+  return writePhotographs(folder, makeScene(options), {"row0.png", "row1.png", "row2.png", "row3.png", "row4.png"});
 }
 
 const fs::path& tinyFolder() {

@@ -27,7 +27,10 @@ struct TinySet {
 /// Writes the set below `folder`.
 TinySet makeTinySet(const std::filesystem::path& folder);
 
-/// A scene made of it, built once by the program; it lives as long as the test program.
+/// Five photographs side by side, row0.png … row4.png, and sparse/ with the model, in `folder`.
+std::vector<NamedCamera> makeRow(const std::filesystem::path& folder);
+
+/// A scene made of the tiny set, built once by the program; it lives as long as the test program.
 const std::filesystem::path& tinyScene();
 const TinySet& tinySet();
 

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/image.h"
 #include "ibr/lens.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
@@ -112,6 +114,8 @@ struct BuildOptions {
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
   int backdropSpacing = 8;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
+  std::filesystem::path finishedCells;  // folder in which finished cells and backdrops are kept for further builds,
+                                        // whose results they never change; empty: in the output, until it is finished
   int threads = 0;          // 0 = all cores
   std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };
@@ -146,5 +150,24 @@ struct BuildReport {
 /// build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of one model
 /// are never in one cell; panoramas have no backdrops, their cells go all around. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
+
+/// The photographs of a build as it stores them, without building: at their stored size.
+class PosedPhotographs {
+ public:
+  /// As build: reads the model, looks at the files. Throws Error.
+  explicit PosedPhotographs(const BuildOptions& options, const LogCallback& log = {});
+  PosedPhotographs(PosedPhotographs&&) noexcept;
+  ~PosedPhotographs();
+
+  /// Sorted by name; without those that the options exclude.
+  const std::vector<PosedImage>& images() const noexcept;
+
+  /// RGB, of the camera's size. Throws Error.
+  Image8 picture(std::size_t image) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace ibr

@@ -40,7 +40,7 @@ class Builder {
     if (options_.backdrops) makeBackdrops();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    fs::remove_all(keptFolder(options_));
+    if (options_.finishedCells.empty()) fs::remove_all(keptFolder(options_));
     report_.seconds = watch.seconds();
     return std::move(report_);
   }

@@ -57,7 +57,7 @@ bool isPanorama(const Photograph& photograph) {
 }
 
 fs::path keptFolder(const BuildOptions& options) {
-  return options.output / ".build";
+  return options.finishedCells.empty() ? options.output / ".build" : options.finishedCells;
 }
 
 void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t i) {

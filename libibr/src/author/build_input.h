@@ -32,7 +32,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log);
 
 bool isPanorama(const Photograph& photograph);
 
-/// Finished cells wait here until the scene is written.
+/// Finished cells wait here until the scene is written, or for the next build.
 std::filesystem::path keptFolder(const BuildOptions& options);
 
 /// What a cell or a backdrop depends on.

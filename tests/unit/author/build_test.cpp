@@ -398,3 +398,37 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
   CHECK(runJobs(
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
 }
+
+TEST_CASE("cells that are kept for further builds change none of them") {
+  const Set set;
+  BuildOptions whole = set.options("whole"), part = set.options("part"), alone = set.options("alone");
+  part.exclude = alone.exclude = {"sub/003.png"};
+  whole.finishedCells = part.finishedCells = set.folder / "cells";
+  CHECK(std::ranges::none_of(build(whole).cells, [](const auto& cell) { return cell.resumed; }));
+  const BuildReport shared = build(part);
+  REQUIRE(shared.cells.size() == 1);
+  CHECK(shared.cells[0].resumed);
+  CHECK_FALSE(build(alone).cells[0].resumed);
+  CHECK(filesBelow(part.output) == filesBelow(alone.output));
+  CHECK_FALSE(fs::exists(part.output / ".build"));
+  CHECK_FALSE(filesBelow(set.folder / "cells").empty());
+}
+
+TEST_CASE("posed photographs are those that a build stores") {
+  const Set set(2);
+  BuildOptions options = set.options();
+  options.maxSize = 100;
+  options.exclude = {"001.png"};
+  const PosedPhotographs photographs(options);
+  REQUIRE(photographs.images().size() == 3);
+  CHECK(photographs.images()[2].name == "sub/003.png");
+  build(options);
+  const Scene scene = loadScene(options.output);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(photographs.images()[i].camera.intrinsics == scene.nodes[i].camera.intrinsics);
+    CHECK(photographs.picture(i) == readImage(scene.folder / scene.nodes[i].imageFile));
+  }
+  CHECK_THROWS_AS(photographs.picture(3), std::out_of_range);
+  options.exclude = {"none.png"};
+  CHECK_THROWS_AS(PosedPhotographs(options), Error);
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/scores.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "batch/colour_scores.h"
+#include "batch/pictures.h"
+#include "batch/table.h"
+#include "ibr/metrics.h"
+#include "ibr/scene.h"
+
+namespace ibr::app {
+namespace {
+
+enum class Shown { never, always, withGain };
+
+struct Figure {
+  const char* name;  // in JSON
+  const char* heading;
+  Shown shown;
+  int decimals;
+  double Scores::*value;
+};
+constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr},
+                               {"ssim", "SSIM", Shown::always, 4, &Scores::ssim},
+                               {"flip", "FLIP", Shown::always, 4, &Scores::flip},
+                               {"coverage", "coverage", Shown::always, 3, &Scores::coverage},
+                               {"coverageTier0", "tier 0", Shown::always, 3, &Scores::coverageTier0},
+                               {"coverageTier1", "", Shown::never, 3, &Scores::coverageTier1},
+                               {"coverageTier2", "", Shown::never, 3, &Scores::coverageTier2},
+                               {"psnrCovered", "PSNR covered", Shown::always, 2, &Scores::psnrCovered},
+                               {"ssimCovered", "SSIM covered", Shown::always, 4, &Scores::ssimCovered},
+                               {"psnrGain", "PSNR gain", Shown::withGain, 2, &Scores::psnrGain},
+                               {"psnrCoveredGain", "covered gain", Shown::withGain, 2, &Scores::psnrCoveredGain},
+                               {"seam", "", Shown::never, 3, &Scores::seam},
+                               {"deltaE", "", Shown::never, 3, &Scores::deltaE},
+                               {"milliseconds", "ms", Shown::always, 1, &Scores::milliseconds}};
+
+bool isShown(const Figure& figure, bool withGain) {
+  return figure.shown == Shown::always || (figure.shown == Shown::withGain && withGain);
+}
+
+}  // namespace
+
+Scores::Scores() {
+  for (const Figure& figure : kFigures) this->*figure.value = std::nan("");
+}
+
+Scores score(const Image8& prediction, const Image8& truth, bool fitGain) {
+  const Image8 mask = coverOf(prediction);
+  const std::array<double, 4> tiers = tierShares(prediction);
+  Scores scores;
+  scores.psnr = psnr(prediction, truth);
+  scores.ssim = ssim(prediction, truth);
+  scores.flip = flip(prediction, truth);
+  scores.coverage = double(std::ranges::count(mask.values, std::uint8_t(255))) / double(mask.values.size());
+  scores.coverageTier0 = tiers[kTierAgrees];
+  scores.coverageTier1 = tiers[kTierRejected];
+  scores.coverageTier2 = tiers[kTierBackdrop];
+  scores.psnrCovered = psnr(prediction, truth, mask);
+  scores.ssimCovered = ssim(prediction, truth, mask);
+  if (fitGain) {
+    const Image8 fitted = gainFitted(prediction, truth, mask);
+    scores.psnrGain = psnr(fitted, truth);
+    scores.psnrCoveredGain = psnr(fitted, truth, mask);
+  }
+  return scores;
+}
+
+nlohmann::ordered_json scoresJson(const Scores& scores) {
+  auto json = nlohmann::ordered_json::object();
+  for (const Figure& figure : kFigures) json[figure.name] = scores.*figure.value;
+  return json;
+}
+
+Scores scoresOf(const nlohmann::ordered_json& json) {
+  Scores scores;
+  for (const Figure& figure : kFigures)
+    if (const auto found = json.find(figure.name); found != json.end() && found->is_number())
+      scores.*figure.value = found->get<double>();
+  return scores;
+}
+
+Scores meanOf(const std::vector<Scores>& all) {
+  Scores result;
+  for (const Figure& figure : kFigures) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (const Scores& scores : all)
+      if (!std::isnan(scores.*figure.value)) {
+        sum += scores.*figure.value;
+        ++count;
+      }
+    if (count > 0) result.*figure.value = sum / double(count);
+  }
+  return result;
+}
+
+std::vector<std::string> scoresHeading(const std::string& first, bool withGain) {
+  std::vector<std::string> heading{first};
+  for (const Figure& figure : kFigures)
+    if (isShown(figure, withGain)) heading.emplace_back(figure.heading);
+  return heading;
+}
+
+std::vector<std::string> scoresRow(const std::string& name, const Scores& scores, bool withGain) {
+  std::vector<std::string> row{name};
+  for (const Figure& figure : kFigures)
+    if (isShown(figure, withGain)) row.push_back(numberText(scores.*figure.value, figure.decimals));
+  return row;
+}
+
+}  // namespace ibr::app

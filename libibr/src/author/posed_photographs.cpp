@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "author/build_input.h"
+#include "author/photographs.h"
+#include "ibr/author.h"
+
+namespace ibr {
+
+struct PosedPhotographs::State {
+  std::vector<PosedImage> images;
+  std::vector<Photograph> photographs;
+};
+
+PosedPhotographs::PosedPhotographs(const BuildOptions& options, const LogCallback& log)
+    : state_(std::make_unique<State>()) {
+  state_->photographs = std::move(readInput(options, log).photographs);
+  for (const Photograph& photograph : state_->photographs)
+    state_->images.push_back({photograph.name, photograph.camera});
+}
+PosedPhotographs::PosedPhotographs(PosedPhotographs&&) noexcept = default;
+PosedPhotographs::~PosedPhotographs() = default;
+
+const std::vector<PosedImage>& PosedPhotographs::images() const noexcept {
+  return state_->images;
+}
+
+Image8 PosedPhotographs::picture(std::size_t image) const {
+  return loadPhotograph(state_->photographs.at(image));
+}
+
+}  // namespace ibr
