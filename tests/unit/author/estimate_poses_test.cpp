@@ -39,7 +39,7 @@ class Place {
       cameras.push_back(test::lookingAlong({double(i), 0, 0}, {0, 1, 0}, 40, 30));
     PosedModel model = test::modelOf(cameras, {{0.5, 4, 0}, {0.6, 4, 0}});
     for (std::size_t i = 0; i < names.size(); ++i) model.images[i].name = names[i];
-    test::writeColmapModel(model, folder / "models" / number);
+    writeColmapModel(model, folder / "models" / number);
   }
   PoseOptions options() const {
     PoseOptions o;
