@@ -34,7 +34,7 @@ ExitCode split(Options options, const Context& context) {
   context.print("{}: {} pictures of {}x{} px, {} degrees wide, of {} panoramas; {} observations of points\n",
                 options.output, report.pictures, report.size, report.size, split.fovDegrees, report.panoramas,
                 report.observations);
-  context.print("{:.2f} s in all; over all threads: reading {:.2f} s, sampling {:.2f} s, writing {:.2f} s\n",
+  context.print("{:.2f} s in all; of the processor: reading {:.2f} s, sampling {:.2f} s, writing {:.2f} s\n",
                 report.seconds, report.readSeconds, report.sampleSeconds, report.writeSeconds);
   context.report(Json{{"panoramas", report.panoramas},
                       {"pictures", report.pictures},

@@ -72,8 +72,8 @@ struct SplitReport {
   std::size_t panoramas = 0, pictures = 0, observations = 0;  // observations of tracks that fell into pictures
   std::vector<std::string> skipped;                           // images of the model that are no panoramas
   int size = 0;                                               // px of the last picture
-  double readSeconds = 0, sampleSeconds = 0, writeSeconds = 0;  // added up over threads
-  double seconds = 0;
+  double readSeconds = 0, sampleSeconds = 0, writeSeconds = 0;  // of the processor, added up over threads
+  double seconds = 0;                                           // that passed
 };
 
 /// Writes the faces of panoramas, images/NAME_FACE.jpg or .png, and their cameras as a COLMAP text model in sparse/,

@@ -6,17 +6,22 @@
 
 #include "author/backdrop.h"
 #include "author/cell_cache.h"
+#include "author/local_adjust.h"
 #include "author/match.h"
 #include "author/own_depth.h"
 #include "author/panorama_cell.h"
 #include "author/posed_model.h"
+#include "author/refine_full.h"
 #include "author/stopwatch.h"
+#include "author/vertices.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 2;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 3;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
+constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
+constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 
 // Points that all members see; if they are few, those that two see. In the order of the tracks.
@@ -42,20 +47,64 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   hash.add(kVersion);
   hash.add(options.seed);
   hash.add(input.refine);
+  if (input.refine)  // poses are adjusted to what members see
+    for (const LocalTrack& track : localTracks(input.model, input.tracksOf, members)) {
+      for (int c = 0; c < 3; ++c) hash.add(track.position[c]);
+      for (const auto& pixel : track.pixel)
+        for (int c = 0; c < 2; ++c) hash.add(pixel ? (*pixel)[c] : -1.0);
+    }
   for (const std::uint32_t i : members) addPhotograph(hash, input, i);
   addPoints(hash, points);
   return hash.value();
+}
+
+Image8 greyOf(const Image8& picture) {
+  Image8 grey(picture.width, picture.height, 1);
+  for (std::size_t p = 0; p < grey.values.size(); ++p) {
+    const std::uint8_t* const rgb = &picture.values[3 * p];
+    grey.values[p] = std::uint8_t((77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2] + 128) >> 8);
+  }
+  return grey;
+}
+
+// At the size that is matched; where that is smaller than the photograph, `full` gets the whole of it in grey.
+MatchView viewAndWhole(const Photograph& photograph, Image8& full) {
+  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
+  const Intrinsics& k = view.camera.intrinsics;
+  if (k.width != view.picture.width || k.height != view.picture.height) {
+    full = greyOf(view.picture);
+    view.picture = shrunk(view.picture, k.width, k.height);
+  }
+  return view;
+}
+
+// Where poses are so far off that matching would fail: below that, what fits the model's poses renders better. The
+// views' poses only: what is stored keeps the model's.
+void adjust(const BuildInput& input, const std::vector<std::uint32_t>& members, std::vector<MatchView>& views) {
+  std::vector<Camera> cameras;
+  for (const std::uint32_t i : members) cameras.push_back(input.model.images[i].camera);
+  const double scale = double(cameras[0].intrinsics.width) / double(views[0].camera.intrinsics.width);
+  const std::vector<Pose> poses =
+      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].camera.pose = poses[i];
 }
 
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
                      const std::vector<glm::dvec3>& points, std::uint64_t key) {
   std::vector<MatchView> views;
   std::vector<Camera> stored;
+  std::vector<Image8> full(members.size());
   for (const std::uint32_t i : members) {
-    views.push_back(viewOf(input.photographs[i]));
+    views.push_back(viewAndWhole(input.photographs[i], full[views.size()]));
     stored.push_back(input.photographs[i].camera);
   }
-  const DenseMatch match = matchViews(views, points, {input.refine});
+  if (input.refine) adjust(input, members, views);
+  DenseMatch match = matchViews(views, points, {input.refine});
+  if (std::ranges::none_of(full, &Image8::empty)) {
+    match.vertices = matchedVertices(views, match);
+    refineInFull(views, full, match, *match.vertices);
+    full.clear();
+  }
   if (options.backdrops) {
     std::vector<ImageF> depths;
     for (std::size_t i = 0; i < views.size(); ++i)
@@ -76,11 +125,8 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 }  // namespace
 
 MatchView viewOf(const Photograph& photograph) {
-  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
-  const Intrinsics& k = view.camera.intrinsics;
-  if (k.width != view.picture.width || k.height != view.picture.height)
-    view.picture = shrunk(view.picture, k.width, k.height);
-  return view;
+  Image8 full;
+  return viewAndWhole(photograph, full);
 }
 
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
@@ -103,7 +149,7 @@ double CellMaker::bytes() const {
   double pixels = 0;
   for (const Photograph& photograph : input_.photographs)
     pixels = std::max(pixels, double(photograph.camera.intrinsics.width) * photograph.camera.intrinsics.height);
-  return kBytesPerPixel * std::min(pixels, kMatchPixels);
+  return kBytesPerPixel * std::min(pixels, kMatchPixels) + kBytesInFull * std::max(pixels - kMatchPixels, 0.0);
 }
 
 }  // namespace ibr

@@ -156,7 +156,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   mesh.ratio.resize(d);
   std::vector<double> residuals;
   std::vector<Camera> cameras;
-  for (const MatchView& view : views) cameras.push_back(view.camera);
+  for (std::size_t i = 0; i < d; ++i) cameras.push_back({views[i].camera.intrinsics, stored[i].pose});
   for (std::size_t v = 0; v < vertices.frame.size(); ++v) {
     std::vector<glm::dvec2> pixels;
     for (std::size_t i = 0; i < d; ++i) pixels.emplace_back(vertices.matched[i][v]);

@@ -21,7 +21,8 @@ struct CellMesh {
   CellQuality quality;
 };
 
-/// `stored` are the members' cameras at the size of the stored photographs; the views may be smaller versions of them.
+/// `stored` are the members' cameras at the size of the stored photographs; the views may be smaller versions of them,
+/// at poses adjusted for matching: ρ and a_i belong to the poses of `stored`.
 CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match);
 
 }  // namespace ibr

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A folder of panoramas → pinhole pictures and their COLMAP model ([T] §4.2).
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 #include <optional>
@@ -11,6 +11,7 @@
 
 #include "author/parallel.h"
 #include "author/photographs.h"
+#include "author/stopwatch.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/author.h"
@@ -24,9 +25,11 @@ namespace {
 constexpr int kJpegQuality = 95;
 constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;  // of a face
 
-using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+// Of this thread.
+double processorSeconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
 bool isJpeg(const fs::path& file) {
@@ -54,7 +57,7 @@ class Splitter {
       : options_(options), progress_(progress), log_(log) {}
 
   SplitReport run() {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     checkOptions();
     readInput();
     for (std::size_t i = 0; i < input_.images.size(); ++i) splitOne(i);
@@ -62,7 +65,7 @@ class Splitter {
     writeColmapModel(result_, options_.output / "sparse");
     report_.panoramas = input_.images.size();
     report_.pictures = result_.images.size();
-    report_.seconds = secondsSince(start);
+    report_.seconds = watch.seconds();
     return std::move(report_);
   }
 
@@ -118,10 +121,10 @@ class Splitter {
   void splitOne(std::size_t number) {
     const PosedImage& image = input_.images[number];
     progressed(number * faces_.size());
-    auto start = Clock::now();
+    const double start = processorSeconds();
     const Photograph photo = findPhotograph(folder_, image, 0);
     const PanoramaSampler sampler(loadPhotograph(photo));
-    report_.readSeconds += secondsSince(start);
+    report_.readSeconds += processorSeconds() - start;
 
     const int width = photo.camera.intrinsics.width;
     if (width != 2 * photo.camera.intrinsics.height && log_)
@@ -143,14 +146,13 @@ class Splitter {
 
     std::vector<double> sampled(faces_.size(), 0), written(faces_.size(), 0);
     const auto job = [&](std::size_t f) {
-      auto began = Clock::now();
+      const double began = processorSeconds();
       const Image8 picture = sampler.view(intrinsics, faces_[f].rotation);
-      sampled[f] = secondsSince(began);
-      began = Clock::now();
+      sampled[f] = processorSeconds() - began;
       const fs::path file = pathInside(pictures(), result_.images[number * faces_.size() + f].name);
       fs::create_directories(file.parent_path());
       writeImage(file, picture, kJpegQuality);
-      written[f] = secondsSince(began);
+      written[f] = processorSeconds() - began - sampled[f];
     };
     fs::create_directories(pictures());
     const int threads = options_.threads > 0 ? options_.threads : int(std::thread::hardware_concurrency());
