@@ -157,6 +157,12 @@ class LeaveOneOut {
 ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choices,
                      const EvaluationOptions& evaluation, const Context& context) {
   BuildOptions build = buildOptionsOf(choices, options.photographs, context);
+  const fs::path poses = !build.panoramas.empty()    ? build.panoramas
+                         : !build.transforms.empty() ? build.transforms
+                                                     : build.model;
+  check(!poses.empty(), ErrorCode::invalidInput,
+        "{}: leaving photographs out needs poses of all of them: give a COLMAP model with --model, or --transforms",
+        options.photographs);
   const std::uint64_t key = keyOf(options, build, context);
   // The same command finds it again.
   const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
@@ -190,7 +196,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
                  {{"device", run.device()},
                   {"settings", settingsJson(evaluation.settings, evaluation.gpuScene)},
                   {"photographs", options.photographs},
-                  {"model", (build.panoramas.empty() ? build.model : build.panoramas).string()},
+                  {"model", poses.string()},
                   {"cellsMatched", run.counts().matched},
                   {"cellsShared", run.counts().shared}},
                  context);

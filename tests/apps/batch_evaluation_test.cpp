@@ -136,6 +136,10 @@ TEST_CASE("leaving out refuses panoramas and names that are not there") {
   CHECK(unknown.code == 3);
   CHECK_THAT(unknown.err, Contains("none.png"));
   CHECK(runProgram({"eval", "--leave-one-out", folder / "nowhere"}).code == 2);
+  fs::create_directories(folder / "alone/photographs");
+  const auto unposed = runProgram({"eval", "--leave-one-out", folder / "alone/photographs"});
+  CHECK(unposed.code == 3);
+  CHECK_THAT(unposed.err, Contains("needs poses"));
 
   fs::create_directories(folder / "around/sparse");
   writeFile(folder / "around/sparse/cameras.txt", std::string_view("1 EQUIRECTANGULAR 64 32 64 32\n"));
