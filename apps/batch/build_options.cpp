@@ -66,6 +66,9 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       app, "--tracks", choices.build.tracks,
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
       "Points that photographs share: the model's, our own, or our own where the model has few [auto]");
+  app.add_flag("--keep-border", choices.build.keepBorder,
+               "Keep all of photographs whose lens distorts; what was not photographed is black and in no mesh [the "
+               "largest full rectangle]");
   app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
       ->type_name("NAME...");
   app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");

@@ -108,6 +108,7 @@ struct BuildOptions {
   std::filesystem::path output;       // scene folder; made if missing
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
   TrackSource tracks = TrackSource::automatic;
+  bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "author/backdrop_maker.h"
+#include "author/border.h"
 #include "author/build_input.h"
 #include "author/build_jobs.h"
 #include "author/cell_maker.h"
@@ -63,9 +64,10 @@ class Builder {
     scene_.acquisition = panoramic ? "panoramic" : input_.plan.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("backdropSpacing":{},"tracks":"{}"}})",
+        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{}}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
-        input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks));
+        input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
+        options_.keepBorder);
   }
 
   void makeCells() {
@@ -82,8 +84,17 @@ class Builder {
     return names;
   }
 
+  // The share of tier 0 that is left.
+  double cutBorder(Cell& cell) const {
+    if (!options_.keepBorder) return 1;
+    std::vector<const Photograph*> members;
+    for (const std::uint32_t i : cell.members) members.push_back(&input_.photographs[i]);
+    return dropBorder(cell.mesh, members);
+  }
+
   void take(const std::vector<std::uint32_t>& members, MadeCell made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
+    cell.quality.coverage *= cutBorder(cell);
     if (!(cell.quality.coverage >= kLeastCoverage)) {
       report_.dropped.push_back({fmt::format("{}", fmt::join(namesOf(members), ", ")),
                                  fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
@@ -105,10 +116,12 @@ class Builder {
     jobs_.runAll("completing backdrops", made.size(), kBytesOfBackdrop,
                  [&](std::size_t b) { made[b] = maker.make(pinholes[b]); });
     for (std::size_t b = 0; b < made.size(); ++b) {
-      const MorphMesh& mesh = made[b].cell.mesh;
+      Cell backdrop{{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality};
+      cutBorder(backdrop);
+      const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
                                    made[b].cell.quality.coverage, made[b].seconds, made[b].resumed});
-      scene_.backdrops.push_back({{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality});
+      scene_.backdrops.push_back(std::move(backdrop));
     }
   }
 

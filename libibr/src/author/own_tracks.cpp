@@ -36,18 +36,21 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
     own.hashes.push_back(hash.value());
   }
   const bool none = input.model.tracks.empty();
-  std::vector<Track> tracks = makeTracks(
+  PosedModel found{input.model.images, {}};
+  found.tracks = makeTracks(
       input.model, pairs, own, [&](std::string_view stage, std::size_t count, double bytesEach,
                                    const std::function<void(std::size_t)>& job) {
         jobs.runAll(stage, count, bytesEach, job);
       });
+  const double error = reprojectionError(found);
   if (log)
-    log(LogLevel::info, fmt::format("{} pairs of photographs have few tracks or none: found {} of our own",
-                                    pairs.size(), tracks.size()));
-  input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(tracks.begin()),
-                            std::make_move_iterator(tracks.end()));
+    log(LogLevel::info, fmt::format("{} pairs of photographs have few tracks or none: found {} of our own, {:.2f} px off "
+                                    "their points (median)",
+                                    pairs.size(), found.tracks.size(), error));
+  input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),
+                            std::make_move_iterator(found.tracks.end()));
   input.tracksOf = tracksOfImages(input.model);
-  if (none) input.refine = reprojectionError(input.model) > kExactPx;
+  if (none) input.refine = error > kExactPx;
   input.plan = planCells(input.model, options);
 }
 

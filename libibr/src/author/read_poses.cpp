@@ -18,8 +18,9 @@ std::filesystem::path posesFile(const BuildOptions& options) {
 PosedModel readPoses(const BuildOptions& options, const LogCallback& log) {
   posesFile(options);
   if (!options.panoramas.empty()) return readPanoramas(options.panoramas);
-  if (!options.transforms.empty()) return readTransforms(options.transforms, options.photographs);
-  return readColmapModel(options.model, log);
+  const Border border = options.keepBorder ? Border::keep : Border::crop;
+  if (!options.transforms.empty()) return readTransforms(options.transforms, options.photographs, border);
+  return readColmapModel(options.model, log, border);
 }
 
 }  // namespace ibr

@@ -74,6 +74,45 @@ std::map<std::string, std::vector<std::byte>> filesBelow(const fs::path& folder)
   return files;
 }
 
+// The set as a lens would have taken it (f, c and k = 0.15), from pictures of three times its size; but for the last.
+Lens throughLens(Set& set) {
+  const Intrinsics k = set.model.images[0].camera.intrinsics, large = set.scene.scene.nodes[0].camera.intrinsics;
+  const Lens lens(LensModel::simpleRadial, k.width, k.height, std::vector<double>{k.fx, k.cx, k.cy, 0.15});
+  for (std::size_t i = 0; i < 3; ++i) {
+    Image8 taken(k.width, k.height, 3);
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const glm::dvec2 at = project(large, lens.unproject({x + 0.5, y + 0.5}).value()).value() - 0.5;
+        const int u = std::min(int(at.x), large.width - 2), v = std::min(int(at.y), large.height - 2);
+        const double fx = at.x - u, fy = at.y - v;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const auto value = [&](int dx, int dy) { return double(set.scene.photographs[i].pixel(u + dx, v + dy)[c]); };
+          taken.pixel(x, y)[c] = std::uint8_t(std::lround((1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
+                                                          fy * ((1 - fx) * value(0, 1) + fx * value(1, 1))));
+        }
+      }
+    writeImage(set.folder / "photos" / set.model.images[i].name, taken);
+  }
+  for (Track& track : set.model.tracks)
+    for (TrackObservation& o : track.observations)
+      if (o.image < 3)
+        if (const auto moved = lens.project(unproject(k, o.pixel))) o.pixel = *moved;
+  writeColmapModel(set.model, set.folder / "model");
+  // Its own camera for the first three.
+  writeFile(set.folder / "model/cameras.txt",
+            readTextFile(set.folder / "model/cameras.txt") +
+                fmt::format("99 SIMPLE_RADIAL {} {} {} {} {} 0.15\n", k.width, k.height, k.fx, k.cx, k.cy));
+  std::string images = readTextFile(set.folder / "model/images.txt");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t name = images.find(" " + set.model.images[i].name + "\n");
+    REQUIRE(name != images.npos);
+    const std::size_t number = images.rfind(' ', name - 1) + 1;
+    images.replace(number, name - number, "99");
+  }
+  writeFile(set.folder / "model/images.txt", images);
+  return lens;
+}
+
 template <class F>
 Error errorOf(F&& f) {
   try {
@@ -166,39 +205,7 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
 
 TEST_CASE("photographs of a lens that distorts are undistorted, others are stored byte for byte") {
   Set set(3);
-  // What a lens would have taken, from pictures of three times its size; but for the last one.
-  const Intrinsics k = set.model.images[0].camera.intrinsics, large = set.scene.scene.nodes[0].camera.intrinsics;
-  const std::vector<double> parameters{k.fx, k.cx, k.cy, 0.15};
-  const Lens lens(LensModel::simpleRadial, k.width, k.height, parameters);
-  REQUIRE(k.fx == Approx(k.fy));
-  for (std::size_t i = 0; i < 3; ++i) {
-    Image8 taken(k.width, k.height, 3);
-    for (int y = 0; y < k.height; ++y)
-      for (int x = 0; x < k.width; ++x) {
-        const glm::dvec2 at = project(large, lens.unproject({x + 0.5, y + 0.5}).value()).value() - 0.5;
-        const auto u = std::min(int(at.x), large.width - 2), v = std::min(int(at.y), large.height - 2);
-        const double fx = at.x - u, fy = at.y - v;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const auto value = [&](int dx, int dy) { return double(set.scene.photographs[i].pixel(u + dx, v + dy)[c]); };
-          taken.pixel(x, y)[c] = std::uint8_t(std::lround((1 - fy) * ((1 - fx) * value(0, 0) + fx * value(1, 0)) +
-                                                          fy * ((1 - fx) * value(0, 1) + fx * value(1, 1))));
-        }
-      }
-    writeImage(set.folder / "photos" / set.model.images[i].name, taken);
-  }
-  for (Track& track : set.model.tracks)
-    for (TrackObservation& o : track.observations)
-      if (o.image < 3)
-        if (const auto moved = lens.project(unproject(k, o.pixel))) o.pixel = *moved;
-  set.model.images[3].camera.intrinsics.cx += 1e-9;  // a camera of its own in the model
-  writeColmapModel(set.model, set.folder / "model");
-  const std::string cameras = readTextFile(set.folder / "model/cameras.txt");
-  const auto other = cameras.find("2 PINHOLE");
-  REQUIRE(other != std::string::npos);
-  writeFile(set.folder / "model/cameras.txt", fmt::format("1 SIMPLE_RADIAL {} {} {} {} {} {}\n", k.width, k.height,
-                                                          k.fx, k.cx, k.cy, 0.15) +
-                                                  cameras.substr(other));
-
+  const Lens lens = throughLens(set);
   const BuildReport report = build(set.options());
   CHECK(report.cells.size() == 2);
   const Scene scene = loadScene(set.options().output);
@@ -217,6 +224,35 @@ TEST_CASE("photographs of a lens that distorts are undistorted, others are store
   const Intrinsics small = loadScene(smaller.output).nodes[0].camera.intrinsics;
   CHECK(std::max(small.width, small.height) == 100);
   CHECK(small.fx / small.width == Approx(undistorted(lens).fx / undistorted(lens).width));
+}
+
+TEST_CASE("with the border kept all that was photographed is stored, and no mesh shows the border") {
+  Set set(3);
+  const Lens lens = throughLens(set);
+  BuildOptions options = set.options();
+  options.keepBorder = true;
+  const BuildReport report = build(options);
+  REQUIRE(report.cells.size() == 2);
+  const Scene scene = loadScene(options.output);
+  CHECK(validateSceneFiles(options.output).empty());
+  const Intrinsics& k = scene.nodes[0].camera.intrinsics;
+  CHECK(k == undistorted(lens, Border::keep));
+  CHECK_FALSE(photographed({0.5, 0.5}, lens, k));
+  std::size_t triangles = 0;
+  const auto look = [&](const Cell& cell) {
+    for (const glm::uvec3 t : cell.mesh.triangles)
+      for (std::size_t i = 0; i < cell.members.size(); ++i) {
+        if (cell.members[i] == 3) continue;  // of a pinhole
+        const auto& match = cell.mesh.match[i];
+        const glm::dvec2 a = match[t.x], b = match[t.y], c = match[t.z];
+        for (const glm::dvec2 at : {a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0, (a + b + c) / 3.0})
+          CHECK(photographed(at, lens, k));
+        ++triangles;
+      }
+  };
+  for (const Cell& cell : scene.cells) look(cell);
+  for (const Cell& backdrop : scene.backdrops) look(backdrop);
+  CHECK(triangles > 100);
 }
 
 TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out") {
