@@ -12,6 +12,7 @@
 #include "author/mean_frame.h"
 #include "author/plane_sweep.h"
 #include "author/sgm.h"
+#include "author/textureless.h"
 #include "author/visibility.h"
 #include "base/check.h"
 
@@ -73,7 +74,9 @@ class Matcher {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
     const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
 
-    ImageF level = semiGlobalLevels(planeSweep(frame, halves, levels));
+    const CostVolume volume = planeSweep(frame, halves, levels);
+    ImageF level = semiGlobalLevels(volume);
+    settleTextureless(level, volume);
     cleanDepth(level, kSpeckleStep, kSpeckle);
     for (float& l : level.values) l = float(levels.at(double(l)));
     match_.inverseDepthStep = float(levels.step);

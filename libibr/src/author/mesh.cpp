@@ -11,6 +11,7 @@
 #include "author/layers.h"
 #include "author/orientation.h"
 #include "author/ranges.h"
+#include "author/uncertainty.h"
 #include "author/vertices.h"
 
 namespace ibr {
@@ -21,9 +22,13 @@ constexpr double kNoisePx = 0.25;     // of a match
 
 struct Vertices : MatchedVertices {
   std::vector<std::vector<glm::vec2>> stored;  // of each member, px of its stored photograph, on the grid
+  std::vector<SurfaceSample> surface;          // in the frame
 
-  Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match)
-      : MatchedVertices(matchedVertices(views, match)), stored(matched) {
+  Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match,
+           const SilhouetteFinder& finder)
+      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder) {
+    for (std::size_t v = 0; v < frame.size(); ++v)
+      surface.push_back(finder.surface(glm::dvec2(frame[v]), inverseDepth[v]));
     for (std::size_t i = 0; i < views.size(); ++i) {
       scale_.emplace_back(double(cameras[i].intrinsics.width) / double(views[i].picture.width),
                           double(cameras[i].intrinsics.height) / double(views[i].picture.height));
@@ -35,13 +40,20 @@ struct Vertices : MatchedVertices {
   std::vector<glm::uvec3> triangulate() const {
     return delaunayTriangles(std::vector<glm::dvec2>(frame.begin(), frame.end()));
   }
-  bool folded(const glm::uvec3& t) const {
+  bool turned(const glm::uvec3& t) const {
     constexpr auto kLeast = std::int64_t(1e-3 * kGridPerPixel * kGridPerPixel);  // 1e-3 px²
     return twiceArea(frame, t) <= kLeast ||
            std::ranges::any_of(stored, [&](const auto& positions) { return twiceArea(positions, t) <= kLeast; });
   }
+  bool apart(const glm::uvec3& t) const {
+    return finder_.apart(surface[t.x], surface[t.y]) || finder_.apart(surface[t.y], surface[t.z]) ||
+           finder_.apart(surface[t.z], surface[t.x]);
+  }
+  // Between two surfaces triangles turn over by right: they are cut, not repaired.
+  bool folded(const glm::uvec3& t) const { return turned(t) && !apart(t); }
   void keepOnly(const std::vector<bool>& keep) {
     ibr::keepOnly(frame, keep);
+    ibr::keepOnly(surface, keep);
     ibr::keepOnly(inverseDepth, keep);
     for (auto& list : matched) ibr::keepOnly(list, keep);
     for (auto& list : stored) ibr::keepOnly(list, keep);
@@ -59,9 +71,11 @@ struct Vertices : MatchedVertices {
     }
     frame.emplace_back(vertex.place.pixel);
     inverseDepth.push_back(vertex.place.inverseDepth);
+    surface.push_back(vertex.place);
   }
 
  private:
+  const SilhouetteFinder& finder_;
   std::vector<glm::dvec2> scale_;
 };
 
@@ -73,31 +87,34 @@ struct Face {
 };
 
 // Replaces what spans depth edges by layers. Pieces must lie as the triangle does in every member, or it stays.
-void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& vertices,
-           const std::vector<glm::uvec3>& triangles, std::vector<Face>& faces) {
-  const SilhouetteFinder finder(views, match);
+void layer(std::span<const MatchView> views, const DenseMatch& match, const SilhouetteFinder& finder,
+           Vertices& vertices, const std::vector<glm::uvec3>& triangles, std::vector<Face>& faces) {
   std::vector<bool> wanted;
   for (const Face& face : faces) wanted.push_back(face.tier == kTierRejected);
   const Layers layers = cutAtSilhouettes(finder, vertices.frame, vertices.inverseDepth, triangles, wanted);
   for (const LayerVertex& vertex : layers.vertices) vertices.add(vertex, finder.maps());
 
-  const auto folded = [&](const glm::uvec3& t) { return vertices.folded(t); };
+  const auto turned = [&](const glm::uvec3& t) { return vertices.turned(t); };
   std::vector<glm::uvec3> pieces;
   std::vector<bool> replaced(triangles.size(), false);
   std::size_t surfaces = 0;
   for (const LayerSplit& split : layers.splits) {
-    if (std::ranges::any_of(split.surface, folded)) continue;
+    if (std::ranges::any_of(split.surface, turned)) continue;
     replaced[split.triangle] = true;
     pieces.insert(pieces.end(), split.surface.begin(), split.surface.end());
   }
   surfaces = pieces.size();
   for (const LayerSplit& split : layers.splits)
     if (replaced[split.triangle])
-      std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
+      std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(turned));
 
+  // What turns over between two surfaces shows neither.
+  const auto shows = [&](const Face& face) {
+    return face.tier == kTierAgrees || !turned(face.corner) || !vertices.apart(face.corner);
+  };
   std::vector<Face> kept;
   for (std::size_t t = 0; t < faces.size(); ++t)
-    if (!replaced[t]) kept.push_back(faces[t]);
+    if (!replaced[t] && shows(faces[t])) kept.push_back(faces[t]);
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, pieces);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const bool inFrame = p < surfaces;
@@ -126,16 +143,17 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   const std::size_t d = views.size();
   CellMesh result;
   MorphMesh& mesh = result.mesh;
-  Vertices vertices(stored, views, match);
+  const SilhouetteFinder finder(views, match);
+  Vertices vertices(stored, views, match, finder);
   const std::vector<glm::uvec3> triangles = triangulateAndRepair(vertices);
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, triangles);
   std::vector<Face> faces;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const bool agrees = labels[t].agrees() && !vertices.folded(triangles[t]);
+    const bool agrees = labels[t].agrees() && !vertices.turned(triangles[t]);
     faces.push_back({triangles[t], agrees ? kTierAgrees : kTierRejected, labels[t].ecc, true});
   }
   const std::size_t before = vertices.count();
-  layer(views, match, vertices, triangles, faces);
+  layer(views, match, finder, vertices, triangles, faces);
   dropUnused(vertices, before, faces);
 
   double covered = 0, weighted = 0;
@@ -154,7 +172,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
 
   mesh.match = vertices.stored;
   mesh.ratio.resize(d);
-  std::vector<double> residuals;
+  std::vector<double> residuals, level;
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < d; ++i) cameras.push_back({views[i].camera.intrinsics, stored[i].pose});
   for (std::size_t v = 0; v < vertices.frame.size(); ++v) {
@@ -166,7 +184,9 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
     mesh.uncertainty.push_back(float(range.uncertainty));
     for (std::size_t i = 0; i < d; ++i) mesh.ratio[i].push_back(float(range.ratio[i]));
     residuals.push_back(range.residualPx);
+    level.push_back(double(match.inverseDepthStep) * range.perInverseDepth);
   }
+  widenUncertainty(mesh, level);
   if (!residuals.empty()) {
     const auto middle = residuals.begin() + std::ptrdiff_t(residuals.size() / 2);
     std::nth_element(residuals.begin(), middle, residuals.end());

@@ -90,6 +90,7 @@ Range triangulate(const Camera& frame, std::span<const Camera> members, std::spa
   }
   for (double& a : range.ratio) a = std::clamp(a / mean, kLeastRatio, kLargestRatio);
   range.inverseDistance = std::max(fit.state.z, 0.0) / mean;
+  range.perInverseDepth = 1.0 / mean;
   const double noise = std::max(fit.residual, noisePx);
   range.uncertainty = noise * std::sqrt(std::max(fit.covariance[2][2], 0.0)) / mean;
   range.residualPx = fit.residual;

@@ -17,6 +17,7 @@ struct Range {
   double inverseDistance = 0;  // ρ
   double uncertainty = 0;      // one standard deviation of ρ
   std::vector<double> ratio;   // a_i, mean 1
+  double perInverseDepth = 0;  // change of ρ with the inverse depth along the frame's axis
   double residualPx = 0;       // largest distance between a match and the projection of the fitted point
 };
 

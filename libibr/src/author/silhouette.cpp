@@ -12,6 +12,7 @@ namespace {
 constexpr int kRadius = 6;          // px of a surface's surroundings
 constexpr double kSameSurface = 3;  // levels of the sweep, from one pixel's depth
 constexpr int kLeast = 12;          // px
+constexpr double kApart = 2;        // levels by which a plane misses another surface
 constexpr double kJumpPx = 2.5;     // parallax between members that makes two surfaces of one
 constexpr double kStep = 0.5;       // px along a segment
 constexpr double kJumpWidth = 2.0;  // px within which …
@@ -81,6 +82,13 @@ double SilhouetteFinder::parallax(glm::dvec2 pixel, double a, double b) const {
     for (const glm::dvec2& other : moved) largest = std::max(largest, glm::distance(other, moved.back()));
   }
   return largest;
+}
+
+bool SilhouetteFinder::apart(const SurfaceSample& a, const SurfaceSample& b) const {
+  const double limit = kApart * double(match_.inverseDepthStep), most = mostExtrapolated();
+  return std::abs(a.at(b.pixel, most) - b.inverseDepth) > limit &&
+         std::abs(b.at(a.pixel, most) - a.inverseDepth) > limit &&
+         parallax(a.pixel, a.inverseDepth, b.inverseDepth) > kJumpPx;
 }
 
 // How differently the members show two places at the near surface's depth: mean over channels and members.

@@ -37,6 +37,9 @@ class SilhouetteFinder {
   /// px that members move against each other if the inverse depth at a pixel changes from `a` to `b`.
   double parallax(glm::dvec2 pixel, double a, double b) const;
 
+  /// Whether two pixels lie on different surfaces: neither's plane goes through the other.
+  bool apart(const SurfaceSample& a, const SurfaceSample& b) const;
+
   /// The part of the way from `near` to `far`, within (0, 1), where the near surface ends; nullopt where the depth does
   /// not jump between them.
   std::optional<double> between(const SurfaceSample& near, const SurfaceSample& far) const;
