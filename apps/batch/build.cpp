@@ -7,6 +7,7 @@
 #include "batch/command.h"
 #include "batch/progress.h"
 #include "batch/table.h"
+#include "batch/unused.h"
 #include "ibr/author.h"
 
 namespace ibr::app {
@@ -30,12 +31,12 @@ using StageSeconds = std::vector<std::pair<std::string, double>>;
 void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
                  const Context& context) {
   Table cells;
-  cells.row({"cell", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "s"});
+  cells.row({"cell", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
   std::size_t points = 0, triangles = 0, resumed = 0;
   for (const auto& cell : report.cells) {
     cells.row({joined(cell.members), fmt::format("{}", cell.points), fmt::format("{}", cell.triangles),
                fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
-               numberText(cell.quality.residualPx, 2), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
+               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
     points += cell.points;
     triangles += cell.triangles;
     resumed += cell.resumed;
@@ -51,17 +52,16 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
   if (!report.backdrops.empty())
     context.print("{} backdrops: {} points, {} triangles; {:.0f} % of their depth was matched, the rest is completed\n",
                   report.backdrops.size(), backdropPoints, backdropTriangles, 100 * known);
-  if (report.dropped.empty()) {
-    context.print("nothing was dropped\n");
-  } else {
+  if (!report.dropped.empty()) {
     Table dropped;
-    dropped.row({"dropped", "why"});
+    dropped.row({"dropped cell", "why"});
     for (const auto& [what, reason] : report.dropped) dropped.row({what, reason});
     context.print("{}\n", dropped.text());
   }
+  context.print("{}", unusedText(report.unused));
   for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
   context.print("{:>9.1f} s  in all\n\n", report.seconds);
-  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} dropped\n",
+  context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} cells dropped\n",
                 options.output.string(), report.cells.size(), resumed, points, triangles, report.dropped.size());
 }
 
@@ -72,6 +72,7 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
             {"cells", Json::array()},
             {"backdrops", Json::array()},
             {"dropped", Json::array()},
+            {"unused", unusedJson(report.unused)},
             {"stages", Json::array()},
             {"seconds", report.seconds}};
   for (const auto& cell : report.cells)
@@ -82,6 +83,7 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
                              {"coverage", cell.quality.coverage},
                              {"ecc", cell.quality.ecc},
                              {"residualPx", cell.quality.residualPx},
+                             {"score", cell.quality.score},
                              {"seconds", cell.seconds},
                              {"resumed", cell.resumed}});
   for (const auto& backdrop : report.backdrops)

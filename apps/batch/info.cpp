@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "batch/command.h"
 #include "batch/table.h"
+#include "batch/unused.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "scene/memory_demand.h"
@@ -106,9 +107,10 @@ ExitCode showScene(const Options& options, const Context& context) {
               {"pointsAtInfinity", summary.pointsAtInfinity},
               {"triangles", summary.triangles},
               {"tier0", summary.tier0},
-              {"cells", Json::array()}};
+              {"cells", Json::array()},
+              {"unused", unusedJson(scene.unused)}};
   Table cells;
-  cells.row({"cell", "photographs", "points", "triangles", "tier 0", "coverage", "ECC", "residual px"});
+  cells.row({"cell", "photographs", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score"});
   for (std::size_t i = 0; i < scene.cells.size(); ++i) {
     const Cell& cell = scene.cells[i];
     const auto names = memberNames(scene, cell);
@@ -117,16 +119,18 @@ ExitCode showScene(const Options& options, const Context& context) {
     cells.row({fmt::format("{}", i), joined, fmt::format("{}", cell.mesh.pointCount()),
                fmt::format("{}", cell.mesh.triangles.size()), fmt::format("{}", cell.mesh.tier0Count()),
                numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
-               numberText(cell.quality.residualPx, 2)});
+               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3)});
     report["cells"].push_back({{"members", names},
                                {"points", cell.mesh.pointCount()},
                                {"triangles", cell.mesh.triangles.size()},
                                {"tier0", cell.mesh.tier0Count()},
                                {"coverage", cell.quality.coverage},
                                {"ecc", cell.quality.ecc},
-                               {"residualPx", cell.quality.residualPx}});
+                               {"residualPx", cell.quality.residualPx},
+                               {"score", cell.quality.score}});
   }
   context.print("{}\n", cells.text());
+  context.print("{}", unusedText(scene.unused));
 
   context.print("photographs  {}", scene.nodes.size());
   for (const auto& [size, count] : summary.sizes) context.print(", {} of {}×{}", count, size.first, size.second);

@@ -42,11 +42,11 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK_THAT(outcome.out, Contains("triangles") && Contains("in all"));
   CHECK(fs::exists(folder / "scene/scene.gltf"));
   const auto report = nlohmann::json::parse(readTextFile(folder / "report.json"));
-  for (const char* key : {"scene", "photographs", "model", "cells", "dropped", "stages", "seconds"})
+  for (const char* key : {"scene", "photographs", "model", "cells", "dropped", "unused", "stages", "seconds"})
     CHECK(report.contains(key));
   REQUIRE(!report.at("cells").empty());
   for (const char* key :
-       {"members", "points", "triangles", "tier0", "coverage", "ecc", "residualPx", "seconds", "resumed"})
+       {"members", "points", "triangles", "tier0", "coverage", "ecc", "residualPx", "score", "seconds", "resumed"})
     CHECK(report["cells"][0].contains(key));
   CHECK(report["cells"][0]["triangles"] > 0);
   CHECK(!report.at("stages").empty());
@@ -56,6 +56,8 @@ TEST_CASE("build finds the model, says which, and reports") {
     REQUIRE(info.code == 0);
     const auto json = nlohmann::json::parse(info.out);
     CHECK(json.at("photographs") == 3);
+    CHECK(json.at("unused").empty());
+    CHECK(json.at("cells")[0].at("score") > 0);
     CHECK(json.at("cells").size() == report["cells"].size());
     CHECK(json.at("triangles") > 0);
     CHECK(json.at("memory").at("predicted").at("textures") > 0);

@@ -67,6 +67,8 @@ Scene withTroubles(Scene scene) {
   addTroubles(scene.cells[2].mesh);
   scene.cells[1].quality.coverage = 0.75;
   scene.cells[1].quality.ecc = 0.5;
+  scene.cells[1].quality.score = 0.25;
+  scene.unused = {{"left.jpg", "it is the only photograph"}};
   Cell pointsOnly = scene.cells[3];
   pointsOnly.members = {4, 3};
   std::swap(pointsOnly.mesh.match[0], pointsOnly.mesh.match[1]);

@@ -44,7 +44,7 @@ TEST_CASE("numbers are numbers, finite and in range") {
   for (const std::string pointer :
        {"/nodes/0/translation/1", "/nodes/0/rotation/3", "/extensions/IBR_image_graph/photographs/0/camera/fx",
         "/extensions/IBR_image_graph/photographs/0/camera/cx", "/extensions/IBR_image_graph/origin/heightMetres",
-        "/extensions/IBR_image_graph/cells/1/quality/coverage"}) {
+        "/extensions/IBR_image_graph/cells/1/quality/coverage", "/extensions/IBR_image_graph/cells/1/quality/score"}) {
     for (const std::string value : {"\"0.5\"", "null", "true", "[1]", "{}"}) refuse(pointer, value);
     for (const std::string value : {"1e999", "-1e999", "NaN", "Infinity", "0x10", "1,5", "+1", ".5", "01"}) {
       INFO(pointer << " = " << value);

@@ -137,13 +137,14 @@ struct BuildReport {
     bool resumed = false;
   };
   struct Dropped {
-    std::string what;    // image or cell, by its members' names
+    std::string what;    // a cell, by its members' names
     std::string reason;  // for people
   };
   std::filesystem::path poses;  // file or folder that they were read from
   std::vector<CellLine> cells;
   std::vector<BackdropLine> backdrops;
-  std::vector<Dropped> dropped;
+  std::vector<Dropped> dropped;          // cells that were refused, or failed when they were matched
+  std::vector<UnusedPhotograph> unused;  // as the scene has them
   double seconds = 0;
 };
 

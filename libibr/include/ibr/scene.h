@@ -60,6 +60,7 @@ struct CellQuality {
   double coverage;    // share of the members' mean picture under tier-0 triangles
   double ecc;         // area-weighted mean of MorphMesh::ecc over tier 0
   double residualPx;  // median distance between a match and the projection of its triangulated point
+  double score;       // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/choose_cells.h)
   CellQuality();
 };
 
@@ -74,11 +75,18 @@ struct GeographicOrigin {
   double latitudeDegrees = 0, longitudeDegrees = 0, heightMetres = 0;
 };
 
+/// A photograph that no cell shows.
+struct UnusedPhotograph {
+  std::string name;    // a node's, or that of a file which the poses do not know
+  std::string reason;  // for people
+};
+
 struct Scene {
   std::filesystem::path folder;  // what relative paths of the nodes start from; empty for a scene made in code
   std::vector<Node> nodes;
   std::vector<Cell> cells;
   std::vector<Cell> backdrops;  // tier 2: at most one a node, one member each
+  std::vector<UnusedPhotograph> unused;
   std::string acquisition;      // "ordered", "unordered", "synthetic", "panoramic" or ""
   std::string settings;         // the effective settings it was built with, as JSON text; "" if none
   std::optional<GeographicOrigin> origin;

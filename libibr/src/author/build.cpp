@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // From posed photographs to a scene folder ([T] §2.4.1): model → cells → matches and meshes, a cell at a time → scene.
+// Where a cell fails when it is matched, its faces are tried, then their edges.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "author/backdrop_maker.h"
 #include "author/border.h"
 #include "author/build_input.h"
 #include "author/build_jobs.h"
 #include "author/cell_maker.h"
+#include "author/cells.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
 #include "author/read_poses.h"
@@ -34,11 +38,11 @@ class Builder {
     const SingleThreadedOpenCv quiet;
     storePhotographs();
     addOwnTracks(input_, options_, jobs_, log_);
-    report_.dropped = input_.dropped;
-    report_.dropped.insert(report_.dropped.end(), input_.plan.dropped.begin(), input_.plan.dropped.end());
+    planCells();
     describe();
     makeCells();
     if (options_.backdrops) makeBackdrops();
+    listUnused();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
     if (options_.finishedCells.empty()) fs::remove_all(keptFolder(options_));
@@ -61,7 +65,7 @@ class Builder {
 
   void describe() {
     const bool panoramic = std::ranges::all_of(input_.photographs, isPanorama);
-    scene_.acquisition = panoramic ? "panoramic" : input_.plan.ordered ? "ordered" : "unordered";
+    scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
         R"("backdropSpacing":{},"tracks":"{}","keepBorder":{}}})",
@@ -70,15 +74,37 @@ class Builder {
         options_.keepBorder);
   }
 
-  void makeCells() {
-    const CellMaker maker(input_, options_);
-    const auto& plan = input_.plan.cells;
-    std::vector<MadeCell> made(plan.size());
-    jobs_.runAll("matching cells", plan.size(), maker.bytes(), [&](std::size_t c) { made[c] = maker.make(plan[c]); });
-    for (std::size_t c = 0; c < plan.size(); ++c) take(plan[c], std::move(made[c]));
+  void planCells() {
+    planner_.emplace(input_.model, options_);
+    plan_ = planner_->plan();
+    report_.dropped = plan_.dropped;
+    warnOfEmptyPlan();
   }
 
-  std::vector<std::string> namesOf(const std::vector<std::uint32_t>& members) const {
+  void warnOfEmptyPlan() const {
+    if (!log_ || !plan_.cells.empty() || input_.photographs.size() < 2) return;
+    const bool shared = std::ranges::any_of(input_.model.tracks, [](const Track& t) { return t.observations.size() > 1; });
+    const std::string text = fmt::format(
+        "none of the {} photographs can be joined: {}", input_.photographs.size(),
+        shared ? "the reasons stand at the end"
+               : "no point of the model is seen by two of them. Is it complete (points3D with its tracks)?");
+    log_(LogLevel::warning, text);
+  }
+
+  void makeCells() {
+    const CellMaker maker(input_, options_);
+    std::vector<CellMembers> wanted = plan_.cells, done;
+    for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
+      std::vector<MadeCell> made(wanted.size());
+      jobs_.runAll(stage, wanted.size(), maker.bytes(), [&](std::size_t c) { made[c] = maker.make(wanted[c]); });
+      std::vector<CellMembers> failed;
+      for (std::size_t c = 0; c < wanted.size(); ++c)
+        (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
+      wanted = planner_->standIns(failed, done);
+    }
+  }
+
+  std::vector<std::string> namesOf(const CellMembers& members) const {
     std::vector<std::string> names;
     for (const std::uint32_t i : members) names.push_back(input_.photographs[i].name);
     return names;
@@ -92,19 +118,39 @@ class Builder {
     return dropBorder(cell.mesh, members);
   }
 
-  void take(const std::vector<std::uint32_t>& members, MadeCell made) {
+  // Whether it is good enough for the scene.
+  bool take(const CellMembers& members, MadeCell made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
-    cell.quality.coverage *= cutBorder(cell);
-    if (!(cell.quality.coverage >= kLeastCoverage)) {
-      report_.dropped.push_back({fmt::format("{}", fmt::join(namesOf(members), ", ")),
-                                 fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
-                                             100 * cell.quality.coverage, 100 * kLeastCoverage)});
-      return;
+    CellQuality& quality = cell.quality;
+    quality.coverage *= cutBorder(cell);
+    if (!(quality.coverage >= kLeastCoverage)) {
+      const std::string names = fmt::format("{}", fmt::join(namesOf(members), ", "));
+      const std::string reason = fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
+                                             100 * quality.coverage, 100 * kLeastCoverage);
+      report_.dropped.push_back({names, reason});
+      for (const std::uint32_t i : members) failure_[i] = fmt::format("{}: {}", names, reason);
+      return false;
     }
+    quality.score = planner_->score(members) * quality.coverage * std::max(quality.ecc, 0.0);
     report_.cells.push_back({namesOf(members), cell.mesh.pointCount(), cell.mesh.triangles.size(),
-                             cell.mesh.tier0Count(), cell.quality, made.seconds, made.resumed});
+                             cell.mesh.tier0Count(), quality, made.seconds, made.resumed});
     scene_.cells.push_back(std::move(cell));
     keys_.push_back(made.key);
+    return true;
+  }
+
+  void listUnused() {
+    std::vector<bool> used(input_.photographs.size(), false);
+    for (const Cell& cell : scene_.cells)
+      for (const std::uint32_t i : cell.members) used[i] = true;
+    for (std::uint32_t i = 0; i < used.size(); ++i) {
+      if (used[i]) continue;
+      const auto failure = failure_.find(i);
+      scene_.unused.push_back({input_.photographs[i].name,
+                               failure != failure_.end() ? failure->second : planner_->whyUnused(i)});
+    }
+    scene_.unused.insert(scene_.unused.end(), input_.unknown.begin(), input_.unknown.end());
+    report_.unused = scene_.unused;
   }
 
   void makeBackdrops() {
@@ -129,6 +175,9 @@ class Builder {
   const LogCallback& log_;
   const BuildJobs jobs_;
   BuildInput input_;
+  std::optional<CellPlanner> planner_;
+  CellPlan plan_;
+  std::map<std::uint32_t, std::string> failure_;  // of photographs whose cells failed: the last one's
   BuildReport report_;
   Scene scene_;
   std::vector<std::uint64_t> keys_;  // of scene_.cells

@@ -2,9 +2,11 @@
 #include "author/build_input.h"
 
 #include <bit>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
+#include "author/cells.h"
 #include "author/posed_model.h"
 #include "author/read_poses.h"
 #include "base/check.h"
@@ -15,12 +17,24 @@ namespace {
 
 constexpr double kExactPx = 0.1;  // median reprojection error up to which poses count as exact
 
-std::vector<BuildReport::Dropped> unknownTo(const PosedModel& model, const fs::path& photographs) {
+// What can stand in a scene: names of files need not be UTF-8.
+std::string utf8Of(const std::string& name) {
+  using Json = nlohmann::json;
+  return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+// Pictures that a scene keeps below the photographs are its own.
+std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOptions& options) {
   std::set<std::string> known;
   for (const PosedImage& image : model.images) known.insert(image.name);
-  std::vector<BuildReport::Dropped> unknown;
-  for (const std::string& name : listPictures(photographs))
-    if (!known.contains(name)) unknown.push_back({name, "not registered: the model has no pose for it"});
+  const fs::path scene = fs::weakly_canonical(options.output) / "images";
+  const fs::path photographs = fs::weakly_canonical(options.photographs);
+  std::vector<UnusedPhotograph> unknown;
+  for (const std::string& name : listPictures(options.photographs)) {
+    const fs::path inScene = (photographs / name).lexically_relative(scene);
+    if (!known.contains(name) && (inScene.empty() || *inScene.begin() == ".."))
+      unknown.push_back({utf8Of(name), "not registered: the model has no pose for it"});
+  }
   return unknown;
 }
 
@@ -33,6 +47,7 @@ void checkOptions(const BuildOptions& options) {
   check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
         "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
   check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+  checkPlanOptions(options);
   check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
 }
 
@@ -40,7 +55,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   checkOptions(options);
   BuildInput input;
   input.model = readPoses(options, log);
-  input.dropped = unknownTo(input.model, options.photographs);
+  input.unknown = unknownTo(input.model, options);
   removeImages(input.model, options.exclude);
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
         posesFile(options).string());
@@ -48,7 +63,6 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
   input.tracksOf = tracksOfImages(input.model);
   input.refine = reprojectionError(input.model) > kExactPx;
-  input.plan = planCells(input.model, options);
   return input;
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a build starts from: its options checked, the model read, the photographs found, the cells planned.
+// What a build starts from: its options checked, the model read, the photographs found.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
-#include "author/cells.h"
 #include "author/hash.h"
 #include "author/photographs.h"
 #include "ibr/author.h"
@@ -20,8 +19,7 @@ struct BuildInput {
   std::vector<Photograph> photographs;               // of model.images
   std::vector<std::uint64_t> hashes;                 // of their files, once they are stored
   bool refine = false;                               // poses are estimates: matches are refined beyond them
-  CellPlan plan;
-  std::vector<BuildReport::Dropped> dropped;  // photographs that the model does not know
+  std::vector<UnusedPhotograph> unknown;             // files that the model does not know
 };
 
 /// Throws Error (io, invalidInput) that names the option.

@@ -51,7 +51,6 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
                             std::make_move_iterator(found.tracks.end()));
   input.tracksOf = tracksOfImages(input.model);
   if (none) input.refine = error > kExactPx;
-  input.plan = planCells(input.model, options);
 }
 
 }  // namespace ibr

@@ -9,8 +9,7 @@ namespace ibr {
 
 const char* trackSourceName(TrackSource source);
 
-/// Finds tracks for pairs of photographs that lack them, and plans the cells anew with them. Precondition: the
-/// photographs are stored. Throws Error (io, cancelled).
+/// Finds tracks for pairs of photographs that lack them. Precondition: the photographs are stored. Throws Error (io, cancelled).
 void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log);
 
 }  // namespace ibr

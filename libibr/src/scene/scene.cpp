@@ -11,7 +11,7 @@
 
 namespace ibr {
 
-CellQuality::CellQuality() : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage) {}
+CellQuality::CellQuality() : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage), score(coverage) {}
 
 std::size_t MorphMesh::tier0Count() const {
   return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));

@@ -58,6 +58,11 @@ class Reader {
     scene.folder = gltf_.folder();
     if (extension.has("acquisition")) scene.acquisition = extension["acquisition"].string();
     if (extension.has("settings")) scene.settings = extension["settings"].raw().dump();
+    if (extension.has("unused")) {
+      const JsonValue unused = extension["unused"];
+      for (std::size_t i = 0; i < unused.size(); ++i)
+        scene.unused.push_back({unused.at(i)["name"].string(), unused.at(i)["reason"].string()});
+    }
     if (extension.has("origin")) {
       const JsonValue origin = extension["origin"];
       scene.origin = GeographicOrigin{origin["latitudeDegrees"].number(), origin["longitudeDegrees"].number(),
@@ -102,6 +107,7 @@ class Reader {
       if (quality.has("coverage")) cell.quality.coverage = quality["coverage"].number();
       if (quality.has("ecc")) cell.quality.ecc = quality["ecc"].number();
       if (quality.has("residualPx")) cell.quality.residualPx = quality["residualPx"].number();
+      if (quality.has("score")) cell.quality.score = quality["score"].number();
     }
     return cell;
   }

@@ -91,6 +91,10 @@ void checkTexts(const Scene& scene, const std::string& folder) {
     demandInside(scene.nodes[n].imageFile, fmt::format("nodes[{}].imageFile", n));
     demandInside(scene.nodes[n].textureFile, fmt::format("nodes[{}].textureFile", n));
   }
+  for (std::size_t i = 0; i < scene.unused.size(); ++i) {
+    demandUtf8(scene.unused[i].name, fmt::format("unused[{}].name", i));
+    demandUtf8(scene.unused[i].reason, fmt::format("unused[{}].reason", i));
+  }
   demandUtf8(scene.acquisition, "acquisition");
   try {
     if (!scene.settings.empty()) parseJson(scene.settings);
@@ -129,7 +133,7 @@ class Writer {
     const CellQuality& quality = cell.quality;
     Json figures = Json::object();
     for (const auto& [key, value] : {std::pair{"coverage", quality.coverage}, std::pair{"ecc", quality.ecc},
-                                     std::pair{"residualPx", quality.residualPx}})
+                                     std::pair{"residualPx", quality.residualPx}, std::pair{"score", quality.score}})
       if (std::isfinite(value)) figures[key] = value;
     if (!figures.empty()) entry["quality"] = std::move(figures);
     return entry;
@@ -143,6 +147,8 @@ class Writer {
       extension["origin"] = {{"latitudeDegrees", scene_.origin->latitudeDegrees},
                              {"longitudeDegrees", scene_.origin->longitudeDegrees},
                              {"heightMetres", scene_.origin->heightMetres}};
+    for (const UnusedPhotograph& unused : scene_.unused)
+      extension["unused"].push_back({{"name", unused.name}, {"reason", unused.reason}});
     extension["photographs"] = std::move(photographs_);
     extension["cells"] = std::move(cells);
     extension["backdrops"] = std::move(backdrops);

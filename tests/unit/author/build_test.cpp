@@ -136,14 +136,17 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
   });
   CHECK(stages.size() >= 4);
   REQUIRE(report.cells.size() == 2);
-  CHECK(report.dropped.size() == 1);
-  CHECK(report.dropped[0].what == "stranger.png");
-  CHECK_THAT(report.dropped[0].reason, Contains("not registered"));
+  CHECK(report.dropped.empty());
+  REQUIRE(report.unused.size() == 1);
+  CHECK(report.unused[0].name == "stranger.png");
+  CHECK_THAT(report.unused[0].reason, Contains("not registered"));
 
   CHECK(validateSceneFiles(set.options().output).empty());
   const Scene scene = loadScene(set.options().output);
   REQUIRE(scene.nodes.size() == 4);
   REQUIRE(scene.cells.size() == 2);
+  REQUIRE(scene.unused.size() == 1);
+  CHECK(scene.unused[0].name == "stranger.png");
   CHECK(readFile(scene.folder / scene.nodes[0].imageFile) == readFile(set.folder / "photos/000.png"));
   const Texture texture = readKtx2(scene.folder / scene.nodes[3].textureFile);
   REQUIRE(texture.levels.size() == 8);
@@ -153,6 +156,8 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
     const Cell& cell = scene.cells[c];
     CHECK(cell.members.size() == 3);
     CHECK(cell.quality.coverage > 0.6);
+    CHECK(cell.quality.score > 0);
+    CHECK(cell.quality.score <= cell.quality.coverage * cell.quality.ecc);
     CHECK(report.cells[c].points == cell.mesh.pointCount());
     CHECK(report.cells[c].tier0 == cell.mesh.tier0Count());
     CHECK_FALSE(report.cells[c].resumed);
@@ -304,6 +309,51 @@ TEST_CASE("a photograph that is in no cell has a backdrop from its tracks") {
   }
 }
 
+TEST_CASE("pictures of a scene below its photographs are not called unused") {
+  const Set set;
+  BuildOptions options = set.options();
+  options.output = set.folder / "photos/scene";
+  build(options);
+  const BuildReport again = build(options);
+  REQUIRE(again.unused.size() == 1);
+  CHECK(again.unused[0].name == "stranger.png");
+}
+
+TEST_CASE("where a cell fails, its faces and then its edges stand in") {
+  // The last photograph shows something else than what its pose says.
+  Set set;
+  writeImage(set.folder / "photos/sub/003.png", Image8(128, 96, 3, 90));
+  BuildOptions options = set.options();
+  const BuildReport report = build(options);
+  const Scene scene = loadScene(options.output);
+  REQUIRE_FALSE(report.dropped.empty());
+  for (const auto& dropped : report.dropped) {
+    CHECK_THAT(dropped.what, Contains("003.png"));
+    CHECK_THAT(dropped.reason, Contains("agree on"));
+  }
+  for (const Cell& cell : scene.cells) CHECK(std::ranges::count(cell.members, 3u) == 0);
+  CHECK(std::ranges::any_of(scene.unused, [](const auto& u) { return u.name == "sub/003.png"; }));
+  std::set<std::uint32_t> used;
+  for (const Cell& cell : scene.cells) used.insert(cell.members.begin(), cell.members.end());
+  CHECK(used == std::set<std::uint32_t>{0, 1, 2});
+}
+
+TEST_CASE("a model whose photographs share no point is called so") {
+  const Set set;
+  PosedModel model = set.model;
+  for (Track& track : model.tracks) track.observations.resize(1);
+  writeColmapModel(model, set.folder / "model");
+  std::string said;
+  BuildOptions options = set.options();
+  options.tracks = TrackSource::model;
+  const BuildReport report =
+      build(options, {}, [&](LogLevel, std::string_view message) { said += std::string(message) + "\n"; });
+  CHECK(report.cells.empty());
+  CHECK_THAT(said, Contains("no point of the model is seen by two"));
+  REQUIRE(report.unused.size() == 5);
+  CHECK_THAT(report.unused[1].reason, Contains("shares points with no other"));
+}
+
 TEST_CASE("photographs may be held out, made smaller, or larger than the model's camera") {
   const Set set(2);  // twice the size that the model's cameras have
   BuildOptions options = set.options();
@@ -318,8 +368,8 @@ TEST_CASE("photographs may be held out, made smaller, or larger than the model's
   CHECK(scene.nodes[0].camera.intrinsics.fx == Approx(set.model.images[0].camera.intrinsics.fx * 200 / 128));
   CHECK(probeImage(scene.folder / scene.nodes[0].imageFile).width == 200);
   CHECK(validateSceneFiles(options.output).empty());
-  CHECK(std::none_of(report.dropped.begin(), report.dropped.end(),
-                     [](const auto& d) { return d.what == "sub/003.png"; }));
+  CHECK(std::none_of(report.unused.begin(), report.unused.end(),
+                     [](const auto& u) { return u.name == "sub/003.png"; }));
 }
 
 TEST_CASE("wrong input is refused by name, before anything is made") {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -180,9 +181,9 @@ TEST_CASE("the smallest rigs, and rigs that span nothing") {
   for (const auto& rig : {std::vector<Camera>{one}, {one, one}, {one, one, one, one}, {one, away}}) {
     const CellPlan cells = plan(rig);
     CHECK(cells.cells.empty());
-    REQUIRE(cells.dropped.size() == rig.size());  // each photograph is named, with the reason
-    CHECK_THAT(cells.dropped[0].what, Catch::Matchers::Contains("000.png"));
-    CHECK_THAT(cells.dropped[0].reason, Catch::Matchers::Contains("in no cell"));
+    REQUIRE(cells.unused.size() == rig.size());  // each photograph is named, with the reason
+    CHECK(cells.unused[0].name == "000.png");
+    CHECK_FALSE(cells.unused[0].reason.empty());
   }
   // Coincident ones beside others: every cell joins the two places, and all are used.
   const CellPlan pairs = plan({one, one, beside, beside});
@@ -213,10 +214,10 @@ TEST_CASE("photographs that share too few points make no cell, and it is said wh
     std::erase_if(track.observations, [](const TrackObservation& o) { return o.image == 2; });
   const CellPlan cells = planCells(model, {});
   CHECK(cells.cells == std::vector<std::vector<std::uint32_t>>{{0, 1}});
-  const bool said = std::any_of(cells.dropped.begin(), cells.dropped.end(), [](const BuildReport::Dropped& d) {
-    return d.what == "002.png" && d.reason.find("share 0 points") != std::string::npos;
-  });
-  CHECK(said);
+  REQUIRE(cells.unused.size() == 1);
+  CHECK(cells.unused[0].name == "002.png");
+  CHECK_THAT(cells.unused[0].reason, Catch::Matchers::Contains("shares points with no other"));
+  CHECK_THAT(cells.dropped.at(0).reason, Catch::Matchers::Contains("share 0 points"));
   CHECK_THROWS_AS(planCells(model,
                             [] {
                               BuildOptions o;
@@ -259,6 +260,131 @@ TEST_CASE("the order of images and tracks, and the place of the world, change no
   for (PosedImage& image : moved.images) image.camera.pose.position += offset;
   for (Track& track : moved.tracks) track.position += offset;
   CHECK(named(moved) == expected);
+
+  PosedModel turned = model;
+  const double scale = GENERATE(1e-3, 1.0, 700.0);
+  const glm::dquat turn = glm::normalize(glm::dquat(0.3, -0.5, 0.7, 0.2));
+  for (PosedImage& image : turned.images) {
+    image.camera.pose.position = turn * image.camera.pose.position * scale;
+    image.camera.pose.rotation = turn * image.camera.pose.rotation;
+  }
+  for (Track& track : turned.tracks) track.position = turn * track.position * scale;
+  CHECK(named(turned) == expected);
+}
+
+TEST_CASE("a noisy grid in space has no slivers, and stacked directions share their cells") {
+  const auto cameras = grid(4, 3, 2, 6, 0.02, 0.002);
+  const CellPlan cells = plan(cameras);
+  CHECK(count(cells).tetrahedra == 6 * 6 * 6);  // six a cube, six cubes, six directions
+  CHECK(cells.cells.size() == 6 * 6 * 6);
+  std::map<std::set<std::uint32_t>, int> directions;
+  for (const auto& cell : cells.cells) {
+    std::vector<glm::dvec3> corners;
+    std::set<std::uint32_t> spots;
+    for (const std::uint32_t i : cell) {
+      corners.push_back(cameras[i].pose.position);
+      spots.insert(i / 6);
+    }
+    CHECK(shape(corners) > 0.5);
+    ++directions[spots];
+  }
+  for (const auto& [spots, number] : directions) CHECK(number == 6);
+}
+
+TEST_CASE("directions that were not taken everywhere still share the cells that they have") {
+  auto cameras = grid(3, 3, 1, 4, 0.02, 0.002);
+  cameras.erase(cameras.begin() + 4 * 4 + 2);  // the middle spot lacks one direction
+  const CellPlan cells = plan(cameras);
+  std::map<std::vector<std::pair<int, int>>, int> directions;
+  for (const auto& cell : cells.cells) {
+    std::vector<std::pair<int, int>> spots;
+    for (const std::uint32_t i : cell)
+      spots.emplace_back(int(std::lround(cameras[i].pose.position.x)), int(std::lround(cameras[i].pose.position.y)));
+    std::sort(spots.begin(), spots.end());
+    ++directions[spots];
+  }
+  int whole = 0;
+  for (const auto& [spots, number] : directions) whole += number == 4 || number == 3;
+  CHECK(whole == 8);  // two a square
+}
+
+TEST_CASE("grids of unlike steps are split along their own axes") {
+  // Two floors that stand close together would be taken for one plane by their spread.
+  std::vector<Camera> cameras;
+  Noise jitter;
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y < 5; ++y)
+      for (int x = 0; x < 6; ++x)
+        cameras.push_back(lookingAlong(glm::dvec3(1.5 * x, y, 0.4 * z) + jitter(0.005), {0, 1, 0}));
+  const CellPlan cells = plan(cameras);
+  CHECK(count(cells).tetrahedra == 6 * 5 * 4);
+  CHECK(cells.cells.size() == 6 * 5 * 4);
+}
+
+TEST_CASE("rings about an object are joined though neighbours turn by more than half the field of view") {
+  // Twelve photographs, 30 degrees from one to the next; half the smaller field of view is 25.8 degrees.
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = kPi * i / 6;
+    const glm::dvec3 out(std::cos(angle), std::sin(angle), 0);
+    cameras.push_back(lookingAlong(3.0 * out, -out));
+  }
+  const PosedModel model = modelOf(cameras, pointsAround({0, 0, 0}, 0.6, 2000));
+  const CellPlan cells = planCells(model, {});
+  REQUIRE(cells.cells.size() == 12);
+  CHECK(count(cells).lines == 12);
+  CHECK(count(cells).used == 12);
+  CHECK(cells.unused.empty());
+  // Without points nothing says that they show the same thing.
+  PosedModel bare = model;
+  bare.tracks.clear();
+  const CellPlan none = planCells(bare, {});
+  CHECK(none.cells.empty());
+  REQUIRE(none.unused.size() == 12);
+  CHECK_THAT(none.unused[0].reason, Catch::Matchers::Contains("its axis is 30°"));
+}
+
+TEST_CASE("a row of clusters has triangles within them and lines between") {
+  std::vector<Camera> cameras;
+  Noise jitter;
+  for (int cluster = 0; cluster < 3; ++cluster)
+    for (int i = 0; i < 9; ++i)
+      cameras.push_back(
+          lookingAlong(glm::dvec3(40 * cluster + i % 3 + 0.5 * (i / 3), 0, i / 3) + jitter(0.03), {0, 1, 0}));
+  const CellPlan cells = plan(cameras);
+  CHECK(count(cells).triangles >= 3 * 6);
+  CHECK(count(cells).lines == 2);
+  CHECK(count(cells).used == 27);
+}
+
+TEST_CASE("faces stand in for cells that failed, once each, and not inside those that were made") {
+  const auto cameras = grid(2, 2, 1, 1, 0.0);
+  const PosedModel model = modelOf(cameras, pointsAround({0.5, 0.5, 0}, 20, 4000));
+  CellPlanner planner(model, {});
+  const CellPlan cells = planner.plan();
+  REQUIRE(cells.cells.size() == 2);
+  const auto edges = planner.standIns({cells.cells[0]}, {cells.cells[1]});
+  REQUIRE(edges.size() == 2);  // the third is an edge of the other triangle
+  for (const auto& edge : edges) {
+    CHECK(edge.size() == 2);
+    CHECK_FALSE(std::includes(cells.cells[1].begin(), cells.cells[1].end(), edge.begin(), edge.end()));
+  }
+  CHECK(planner.standIns(edges, {cells.cells[1]}).empty());
+  CHECK(planner.standIns({cells.cells[0]}, {cells.cells[1]}).empty());
+  CHECK(planner.score(cells.cells[0]) > 0);
+  CHECK(planner.score(cells.cells[0]) <= 1);
+}
+
+TEST_CASE("why a photograph is in no cell") {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 3; ++i) cameras.push_back(lookingAlong({i % 2, i / 2, 0}, {0, 1, 0}));
+  cameras.push_back(lookingAlong({0.001, 0, 0}, {0, 1, 0}));
+  cameras.push_back(lookingAlong({0.5, 0.5, 0}, {0.77, 0.64, 0}));
+  const CellPlan cells = plan(cameras);
+  std::map<std::string, std::string> why;
+  for (const auto& [name, reason] : cells.unused) why[name] = reason;
+  CHECK_THAT(why["004.png"], Catch::Matchers::Contains("its axis is"));
+  CHECK(why.size() == 5 - count(cells).used);
 }
 
 TEST_CASE("simplices: shape, faces and where a point lies") {

@@ -66,6 +66,8 @@ Scene example(std::uint64_t seed = 1) {
   };
   scene.cells = {cell({0, 1}, 40), cell({2, 0, 1}, 50), cell({0, 1, 2, 3}, 66000), cell({3, 4}, 2), cell({1, 2}, 0)};
   scene.cells[1].quality.ecc = 0.9;
+  scene.cells[1].quality.score = 0.25;
+  scene.unused = {{"somewhere/else.jpg", "its axis is 47° from that of any other"}, {"b", "\"quoted\""}};
   scene.cells[0].mesh.tier.assign(scene.cells[0].mesh.triangles.size(), kTierRejected);  // none of tier 0
   scene.backdrops = {cell({2}, 30)};
   scene.acquisition = "unordered";
@@ -106,6 +108,11 @@ void compare(const Scene& a, const Scene& b) {
   for (std::size_t c = 0; c < a.backdrops.size(); ++c) compareMeshes(a.backdrops[c].mesh, b.backdrops[c].mesh);
   CHECK(a.acquisition == b.acquisition);
   CHECK(a.settings == b.settings);
+  REQUIRE(a.unused.size() == b.unused.size());
+  for (std::size_t i = 0; i < a.unused.size(); ++i) {
+    CHECK(a.unused[i].name == b.unused[i].name);
+    CHECK(a.unused[i].reason == b.unused[i].reason);
+  }
   REQUIRE(a.origin.has_value() == b.origin.has_value());
   if (a.origin) CHECK(a.origin->longitudeDegrees == b.origin->longitudeDegrees);
 }
