@@ -9,12 +9,14 @@
 #include <optional>
 
 #include "base/check.h"
+#include "base/file.h"
 #include "batch/command.h"
 #include "batch/table.h"
 #include "batch/unused.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "scene/memory_demand.h"
+#include "shared/graph_svg.h"
 
 namespace ibr::app {
 namespace {
@@ -22,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene;
+  std::string scene, svg;
   bool explain = false;
 };
 
@@ -180,6 +182,10 @@ ExitCode showScene(const Options& options, const Context& context) {
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
     }
   }
+  if (!options.svg.empty()) {
+    writeFile(options.svg, graphSvg(scene));
+    context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
+  }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
@@ -188,7 +194,7 @@ ExitCode showScene(const Options& options, const Context& context) {
 
 const Command kInfoCommand{.name = "info",
                            .summary = "Shows what a scene holds, how good it is and what memory it takes",
-                           .examples = "ibr info scene\nibr info scene --explain",
+                           .examples = "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg",
                            .details = "",
                            .afterInterrupt = "",
                            .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
@@ -196,6 +202,9 @@ const Command kInfoCommand{.name = "info",
                              app.add_option("SCENE", options->scene, "Scene folder, or its scene.gltf")->required();
                              app.add_flag("--explain", options->explain,
                                           "Also say which stages of the renderer this scene needs, and why");
+                             app.add_option("--svg", options->svg,
+                                            "Also draw the image graph: cameras, cells by their score, what is unused")
+                                 ->type_name("FILE");
                              return [options](const Context& context) { return showScene(*options, context); };
                            }};
 

@@ -52,8 +52,10 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK(!report.at("stages").empty());
 
   SECTION("info and validate read it") {
-    const auto info = runProgram({"info", folder / "scene", "--explain", "--json", "-"});
+    const auto info =
+        runProgram({"info", folder / "scene", "--explain", "--svg", folder / "graph.svg", "--json", "-"});
     REQUIRE(info.code == 0);
+    CHECK_THAT(readTextFile(folder / "graph.svg"), Contains("<svg") && Contains("3 photographs"));
     const auto json = nlohmann::json::parse(info.out);
     CHECK(json.at("photographs") == 3);
     CHECK(json.at("unused").empty());

@@ -33,7 +33,6 @@ TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
   refused(ErrorCode::invalidInput, "settings");
   scene.unused = {{"a", "\xc3("}};
   refused(ErrorCode::invalidInput, "unused[0].reason");
-  scene.unused.clear();
   scene.acquisition = "\xc3(";
   refused(ErrorCode::invalidInput, "acquisition");
   scene.nodes[0].imageFile = "/etc/passwd";

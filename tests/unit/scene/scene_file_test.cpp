@@ -102,6 +102,8 @@ void compare(const Scene& a, const Scene& b) {
     CHECK(a.cells[c].members == b.cells[c].members);
     compareMeshes(a.cells[c].mesh, b.cells[c].mesh);
     CHECK(a.cells[c].quality.coverage == b.cells[c].quality.coverage);
+    CHECK(std::isnan(a.cells[c].quality.score) == std::isnan(b.cells[c].quality.score));
+    if (!std::isnan(a.cells[c].quality.score)) CHECK(a.cells[c].quality.score == b.cells[c].quality.score);
     CHECK(std::isnan(a.cells[c].quality.ecc) == std::isnan(b.cells[c].quality.ecc));
   }
   REQUIRE(a.backdrops.size() == b.backdrops.size());
