@@ -128,7 +128,7 @@ TEST_CASE("build reads panoramas.json; one alone makes no cell") {
   const std::string json = folder / "panoramas.json";
   const auto build = runProgram({"build", folder.path(), "--panoramas", json, "-o", folder / "scene"});
   CHECK(build.code == 0);
-  CHECK_THAT(build.out, Contains("images/a.png") && Contains("in no cell"));
+  CHECK_THAT(build.out, Contains("images/a.png") && Contains("only photograph"));
   CHECK(runProgram({"build", folder.path(), "--panoramas", json, "--model", folder.path(), "-o", folder / "s"}).code ==
         1);
   writeFile(folder / "panoramas.json", std::string_view("{}"));
