@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "batch/bench_matchers.h"
 #include "batch/bench_photographs.h"
 #include "batch/command.h"
 #include "batch/frame_bench.h"
@@ -36,6 +37,7 @@ struct Options {
   GpuSceneOptions gpuScene;
   bool formats = false;
   std::string walk;  // camera path
+  MatcherBench matchers;
 };
 
 struct Report {
@@ -182,7 +184,8 @@ const Command kBenchCommand{
         "ibr bench scene --size 1280x720 --cells 1,4,16 --repeat 15 --json times.json\n"
         "ibr bench --generated stitched-12,stacked-12 --stereo --json -\n"
         "ibr bench scene --formats\n"
-        "ibr bench scene --walk path.json --vram-budget 1G",
+        "ibr bench scene --walk path.json --vram-budget 1G\n"
+        "ibr bench --matchers cases.json --data photographs --pictures compared",
     .details =
         "Times are the device's, for one frame without the way back to the host. All settings but the order, colour\n"
         "mapping and blending are the same for all. \"/ paper\" compares with the paper's order without colour\n"
@@ -191,7 +194,10 @@ const Command kBenchCommand{
         "how many cells were in view at most. Colour tables of ours are made in one frame of a few: its time is the\n"
         "mean over these.\n"
         "--formats compares formats of textures and filters instead, in time, memory and picture, against rgba8 with\n"
-        "trilinear filters. --walk goes along a camera path as a viewer does: each frame shows what is there.",
+        "trilinear filters. --walk goes along a camera path as a viewer does: each frame shows what is there.\n"
+        "--matchers compares the methods of matching on pairs and cells: FILE lists {\"name\", \"images\"} under\n"
+        "\"cases\", with \"model\", \"maxSize\", and \"disparity\", \"homography\" or \"depth\" and \"depthUnit\" if known.\n"
+        "Errors are those of the vertices of blended triangles; member dB says how alike members are there, exposure apart.",
     .afterInterrupt = "Nothing was written.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -211,11 +217,29 @@ const Command kBenchCommand{
       auto* walk = app.add_option("--walk", options->walk, "Walk along a camera path (see render), and measure memory")
                        ->type_name("FILE")
                        ->excludes(formats);
+      auto* matchers = app.add_option("--matchers", options->matchers.cases, "Compare methods of matching instead")
+                           ->type_name("FILE")
+                           ->excludes(scene)
+                           ->excludes(generated)
+                           ->excludes(formats)
+                           ->excludes(walk);
+      app.add_option("--data", options->matchers.data, "Folder that paths in FILE start from [that of FILE]")
+          ->type_name("DIR")
+          ->needs(matchers);
+      app.add_option("--pictures", options->matchers.pictures, "Write what each method makes of the members")
+          ->type_name("DIR")
+          ->needs(matchers);
       for (CLI::Option* other : {generated, stereo}) other->excludes(formats)->excludes(walk);
       app.callback([options] {
-        if (options->scene.empty() && options->generated.empty()) throw CLI::RequiredError("SCENE or --generated");
+        if (options->scene.empty() && options->generated.empty() && options->matchers.cases.empty())
+          throw CLI::RequiredError("SCENE, --generated or --matchers");
       });
       return [options](const Context& context) {
+        if (!options->matchers.cases.empty()) {
+          context.report(
+              benchMatchers(options->matchers, context).dump(2, ' ', false, Json::error_handler_t::replace));
+          return kExitOk;
+        }
         if (options->size.width == 0 && options->walk.empty()) options->size = {1920, 1080};
         const bool photographs = options->formats || !options->walk.empty();
         return photographs ? benchPhotographs(*options, context) : bench(*options, context);

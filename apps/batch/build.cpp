@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -31,12 +32,15 @@ using StageSeconds = std::vector<std::pair<std::string, double>>;
 void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
                  const Context& context) {
   Table cells;
-  cells.row({"cell", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
+  cells.row(
+      {"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
   std::size_t points = 0, triangles = 0, resumed = 0;
   for (const auto& cell : report.cells) {
-    cells.row({joined(cell.members), fmt::format("{}", cell.points), fmt::format("{}", cell.triangles),
+    cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
+               fmt::format("{}", cell.triangles),
                fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
-               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
+               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3),
+               cell.resumed ? "kept" : numberText(cell.seconds, 1)});
     points += cell.points;
     triangles += cell.triangles;
     resumed += cell.resumed;
@@ -84,6 +88,8 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
                              {"ecc", cell.quality.ecc},
                              {"residualPx", cell.quality.residualPx},
                              {"score", cell.quality.score},
+                             {"matcher", methodName(cell.matcher)},
+                             {"homogeneous", std::isnan(cell.homogeneous) ? Json(nullptr) : Json(cell.homogeneous)},
                              {"seconds", cell.seconds},
                              {"resumed", cell.resumed}});
   for (const auto& backdrop : report.backdrops)
@@ -122,6 +128,7 @@ const Command kBuildCommand{
         "ibr build photographs -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
         "ibr build photographs --transforms transforms.json -o scene\n"
+        "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
         "PHOTOS are photographs; their poses are a COLMAP model (text or binary), transforms.json, or for panoramas a "

@@ -76,6 +76,16 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   declareTextureFormat(app, choices.build.texture);
   addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
                  "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
+  addChoice<MatchMethod>(app, "--matcher", choices.build.matcher,
+                     {{"auto", MatchMethod::automatic},
+                      {"sweep", MatchMethod::sweep},
+                      {"homographic", MatchMethod::homographic},
+                      {"flow", MatchMethod::flow}},
+                     "How members of a cell are matched [auto: sweep where poses reproject to 1 px, else flow]");
+  addChoice<TriangleFilter>(
+      app, "--triangle-filter", choices.build.triangleFilter,
+      {{"consistency", TriangleFilter::consistency}, {"homogeneous", TriangleFilter::homogeneous}},
+      "Blend all triangles that look alike [consistency], or of a homographic match only those on one plane");
   app.add_flag_callback(
       "--no-backdrops", [&choices] { choices.build.backdrops = false; },
       "Make no backdrops: where cells show nothing, holes stay");

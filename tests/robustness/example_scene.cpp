@@ -45,6 +45,7 @@ void addTroubles(MorphMesh& mesh) {
     mesh.uncertainty[p] = 0.01f;
     for (auto& ratio : mesh.ratio) ratio[p] = 1;
   }
+  mesh.planes.assign(mesh.pointCount(), glm::u16vec4(1, 3, 0, 0));
 }
 
 // The whole of a photograph, 4 units away.

@@ -80,6 +80,7 @@ TEST_CASE("values of a buffer are checked, with their place") {
   for (float wrong : {0.0f, -0.0f, -1.0f}) poke(attributes["_RATIO"].get<int>(), 5, wrong);
   poke(attributes["_INVERSE_DISTANCE"].get<int>(), 1, -1e-30f);
   poke(attributes["_UNCERTAINTY"].get<int>(), 1, -1.0f);
+  poke(attributes["_PLANES"].get<int>(), 4, std::uint16_t(3));  // the same plane twice
   poke(document.at(Json::json_pointer(kExtension + "/cells/0/ecc/1")).get<int>(), 0, 1.5f);
   poke(attributes["POSITION"].get<int>(), 4, 1e6f);
   const auto points = document["accessors"][0]["count"].get<std::uint16_t>();

@@ -99,6 +99,24 @@ enum class TrackSource : std::uint8_t {
   own,  // SIFT guided by the poses
 };
 
+/// How the members of a cell are matched.
+enum class MatchMethod : std::uint8_t {
+  automatic,    // sweep where the poses are usable (1 px of reprojection, median over a cell's tracks), else flow
+  sweep,        // planes through space at all depths, the poses being known
+  homographic,  // planes of the scene found among sparse features ([T]'s reference 25)
+  flow,         // optical flow from the map that sparse features say; needs no poses
+};
+constexpr const char* methodName(MatchMethod matcher) {
+  constexpr const char* kNames[] = {"auto", "sweep", "homographic", "flow"};
+  return kNames[std::size_t(matcher)];
+}
+
+/// Which triangles are taken to agree in all members.
+enum class TriangleFilter : std::uint8_t {
+  consistency,  // those that look alike and lie where the dense match does
+  homogeneous,  // of these, in cells with planes (MorphMesh::planes), those whose corners share one
+};
+
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
   std::filesystem::path model;        // COLMAP model folder; or
@@ -117,6 +135,8 @@ struct BuildOptions {
   int backdropSpacing = 8;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   std::filesystem::path finishedCells;  // folder in which finished cells and backdrops are kept for further builds,
                                         // whose results they never change; empty: in the output, until it is finished
+  MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
+  TriangleFilter triangleFilter = TriangleFilter::consistency;
   int threads = 0;          // 0 = all cores
   std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };
@@ -127,7 +147,9 @@ struct BuildReport {
     std::size_t points = 0, triangles = 0, tier0 = 0;
     CellQuality quality;
     double seconds = 0;
-    bool resumed = false;  // taken from an interrupted build
+    bool resumed = false;              // taken from an interrupted build
+    MatchMethod matcher = MatchMethod::sweep;  // that was chosen
+    double homogeneous = 0;  // share of the triangles of tier 0 whose corners share a plane; NaN without planes
   };
   struct BackdropLine {
     std::string photograph;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/gtc/type_precision.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,9 @@ struct MorphMesh {
   std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
   std::vector<std::uint8_t> tier;             // m, a Tier each
   std::vector<float> ecc;  // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]
+  /// n, or none: which planes of the matched scene a point lies on, counted from 1, ascending, then 0. Label only: a
+  /// triangle whose points share a plane is explained by one homography between each two members.
+  std::vector<glm::u16vec4> planes;
 
   std::size_t memberCount() const { return match.size(); }
   std::size_t pointCount() const { return inverseDistance.size(); }

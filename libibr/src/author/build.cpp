@@ -15,6 +15,7 @@
 #include "author/cells.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
+#include "author/plane_labels.h"
 #include "author/read_poses.h"
 #include "author/stopwatch.h"
 #include "ibr/author.h"
@@ -68,10 +69,11 @@ class Builder {
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{}}})",
+        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}"}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
         input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
-        options_.keepBorder);
+        options_.keepBorder, methodName(options_.matcher),
+        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous");
   }
 
   void planCells() {
@@ -133,7 +135,8 @@ class Builder {
     }
     quality.score = planner_->score(members) * quality.coverage * std::max(quality.ecc, 0.0);
     report_.cells.push_back({namesOf(members), cell.mesh.pointCount(), cell.mesh.triangles.size(),
-                             cell.mesh.tier0Count(), quality, made.seconds, made.resumed});
+                             cell.mesh.tier0Count(), quality, made.seconds, made.resumed, made.matcher,
+                             homogeneousShare(cell.mesh)});
     scene_.cells.push_back(std::move(cell));
     keys_.push_back(made.key);
     return true;

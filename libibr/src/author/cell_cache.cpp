@@ -98,6 +98,7 @@ void storeCell(const std::filesystem::path& folder, std::uint64_t key, const Cel
   out.list(mesh.triangles);
   out.list(mesh.tier);
   out.list(mesh.ecc);
+  out.list(mesh.planes);
   out.value(cell.quality.coverage);
   out.value(cell.quality.ecc);
   out.value(cell.quality.residualPx);
@@ -119,6 +120,7 @@ std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint
   mesh.triangles = in.list<glm::uvec3>();
   mesh.tier = in.list<std::uint8_t>();
   mesh.ecc = in.list<float>();
+  mesh.planes = in.list<glm::u16vec4>();
   cell.quality.coverage = in.value<double>();
   cell.quality.ecc = in.value<double>();
   cell.quality.residualPx = in.value<double>();

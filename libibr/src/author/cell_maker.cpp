@@ -7,7 +7,7 @@
 #include "author/backdrop.h"
 #include "author/cell_cache.h"
 #include "author/local_adjust.h"
-#include "author/match.h"
+#include "author/matcher_choice.h"
 #include "author/own_depth.h"
 #include "author/panorama_cell.h"
 #include "author/posed_model.h"
@@ -18,15 +18,38 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 4;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 5;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
 constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 
-// Points that all members see; if they are few, those that two see. In the order of the tracks.
-std::vector<glm::dvec3> pointsOf(const BuildInput& input, const std::vector<std::uint32_t>& members) {
-  std::vector<std::uint32_t> tracks;
+// How a cell is to be matched, and with which points.
+struct CellPlanned {
+  std::vector<glm::dvec3> points;  // that all members see; if they are few, those that two see
+  std::vector<Camera> cameras;     // at the size and the poses that are matched; none for panoramas
+  CellMatchOptions match;
+};
+
+// At the size that is matched. Where poses are so far off that matching would fail they are adjusted: below that, what
+// fits the model's poses renders better, and what is stored keeps the model's.
+std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members) {
+  std::vector<Camera> cameras, matched;
+  for (const std::uint32_t i : members) {
+    cameras.push_back(input.model.images[i].camera);
+    matched.push_back(matchedCamera(input.photographs[i].camera));
+  }
+  if (!input.refine) return matched;
+  const double scale = double(cameras[0].intrinsics.width) / double(matched[0].intrinsics.width);
+  const std::vector<Pose> poses =
+      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
+  for (std::size_t i = 0; i < matched.size(); ++i) matched[i].pose = poses[i];
+  return matched;
+}
+
+CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options,
+                        const std::vector<std::uint32_t>& members) {
+  std::vector<std::uint32_t> tracks, shared;
   for (const std::uint32_t i : members)
     tracks.insert(tracks.end(), input.tracksOf[i].begin(), input.tracksOf[i].end());
   std::sort(tracks.begin(), tracks.end());
@@ -34,15 +57,27 @@ std::vector<glm::dvec3> pointsOf(const BuildInput& input, const std::vector<std:
   for (auto first = tracks.begin(); first != tracks.end();) {
     const auto last = std::upper_bound(first, tracks.end(), *first);
     const auto seen = std::size_t(last - first);
-    if (seen >= 2) some.push_back(input.model.tracks[*first].position);
+    if (seen >= 2) {
+      shared.push_back(*first);
+      some.push_back(input.model.tracks[*first].position);
+    }
     if (seen == members.size()) all.push_back(input.model.tracks[*first].position);
     first = last;
   }
-  return all.size() >= kEnough ? all : some;
+  CellPlanned planned;
+  planned.points = all.size() >= kEnough ? all : some;
+  planned.match.refine = input.refine;
+  planned.match.seed = options.seed;
+  if (isPanorama(input.photographs[members[0]])) return planned;
+  planned.cameras = camerasToMatch(input, members);
+  const double error = cellReprojectionError(input.model, members, planned.cameras, shared);
+  planned.match.matcher = chosenMatcher(options.matcher, error);
+  planned.match.posesUsable = error <= kUsablePx;
+  return planned;
 }
 
 std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
-                    const std::vector<glm::dvec3>& points) {
+                    const CellPlanned& planned) {
   Hash hash;
   hash.add(kVersion);
   hash.add(options.seed);
@@ -54,7 +89,10 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
         for (int c = 0; c < 2; ++c) hash.add(pixel ? (*pixel)[c] : -1.0);
     }
   for (const std::uint32_t i : members) addPhotograph(hash, input, i);
-  addPoints(hash, points);
+  addPoints(hash, planned.points);
+  hash.add(int(planned.match.matcher));
+  hash.add(planned.match.posesUsable);
+  hash.add(int(options.triangleFilter));
   return hash.value();
 }
 
@@ -78,19 +116,8 @@ MatchView viewAndWhole(const Photograph& photograph, Image8& full) {
   return view;
 }
 
-// Where poses are so far off that matching would fail: below that, what fits the model's poses renders better. The
-// views' poses only: what is stored keeps the model's.
-void adjust(const BuildInput& input, const std::vector<std::uint32_t>& members, std::vector<MatchView>& views) {
-  std::vector<Camera> cameras;
-  for (const std::uint32_t i : members) cameras.push_back(input.model.images[i].camera);
-  const double scale = double(cameras[0].intrinsics.width) / double(views[0].camera.intrinsics.width);
-  const std::vector<Pose> poses =
-      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
-  for (std::size_t i = 0; i < views.size(); ++i) views[i].camera.pose = poses[i];
-}
-
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
-                     const std::vector<glm::dvec3>& points, std::uint64_t key) {
+                     const CellPlanned& planned, std::uint64_t key) {
   std::vector<MatchView> views;
   std::vector<Camera> stored;
   std::vector<Image8> full(members.size());
@@ -98,9 +125,9 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
     views.push_back(viewAndWhole(input.photographs[i], full[views.size()]));
     stored.push_back(input.photographs[i].camera);
   }
-  if (input.refine) adjust(input, members, views);
-  DenseMatch match = matchViews(views, points, {input.refine});
-  if (std::ranges::none_of(full, &Image8::empty)) {
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].camera = planned.cameras[i];
+  DenseMatch match = matchCell(views, planned.points, planned.match);
+  if (std::ranges::none_of(full, &Image8::empty) && planned.match.matcher == MatchMethod::sweep) {
     match.vertices = matchedVertices(views, match);
     refineInFull(views, full, match, *match.vertices);
     full.clear();
@@ -111,7 +138,7 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
       depths.push_back(ownDepth(match, views[i].camera, i, backdropSize(stored[i].intrinsics)));
     storeDepths(keptFolder(options), key, depths);
   }
-  return buildMesh(stored, views, match);
+  return buildMesh(stored, views, match, options.triangleFilter);
 }
 
 CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_t>& members,
@@ -131,15 +158,15 @@ MatchView viewOf(const Photograph& photograph) {
 
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const Stopwatch watch;
-  const std::vector<glm::dvec3> points = pointsOf(input_, members);
-  const std::uint64_t key = keyOf(input_, options_, members, points);
+  const CellPlanned planned = plannedCell(input_, options_, members);
+  const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
   if (auto kept = fetchCell(keptFolder(options_), key);
       kept && (panoramic || !options_.backdrops || fetchDepths(keptFolder(options_), key).has_value()))
-    return {std::move(*kept), watch.seconds(), true, key};
-  MadeCell made{panoramic ? cellOfPanoramas(input_, members, points)
-                          : pinholeCell(input_, options_, members, points, key),
-                0, false, key};
+    return {std::move(*kept), watch.seconds(), true, key, planned.match.matcher};
+  MadeCell made{panoramic ? cellOfPanoramas(input_, members, planned.points)
+                          : pinholeCell(input_, options_, members, planned, key),
+                0, false, key, planned.match.matcher};
   storeCell(keptFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
   return made;

@@ -19,6 +19,7 @@ struct MadeCell {
   double seconds = 0;
   bool resumed = false;   // was kept
   std::uint64_t key = 0;  // it is kept under
+  MatchMethod matcher = MatchMethod::sweep;
 };
 
 /// A photograph at the size at which it is matched.

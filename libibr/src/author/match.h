@@ -48,6 +48,7 @@ struct DenseMatch {
   Image8 good;                   // 1 channel: 1 where all members agree
   std::vector<Image8> seen;      // of each member: 1 where its texture is that of another one, and it sees the point
   bool refined = false;          // by step 4: positions are not quite what inverseDepth says
+  bool depthKnown = true;        // positions follow from inverseDepth, not the other way round
   std::optional<MatchedVertices> vertices;  // where the matcher itself puts them; else the quadtree does
 };
 

@@ -63,6 +63,7 @@ class FlowMatcher {
     match_.good = Image8(first.width, first.height, 1);
     match_.seen.assign(d_, Image8(first.width, first.height, 1));
     match_.refined = true;
+    match_.depthKnown = false;
   }
 
   DenseMatch run() {

@@ -146,6 +146,7 @@ class HomographicMatcher {
     DenseMatch match;
     match.frame = views_[0].camera;
     match.refined = true;
+    match.depthKnown = false;
     match.good = Image8(width, height, 1);
     match.seen.assign(d_, Image8(width, height, 1));
     MatchedVertices& vertices = match.vertices.emplace();

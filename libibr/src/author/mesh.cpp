@@ -10,6 +10,7 @@
 #include "author/label.h"
 #include "author/layers.h"
 #include "author/orientation.h"
+#include "author/plane_labels.h"
 #include "author/ranges.h"
 #include "author/uncertainty.h"
 #include "author/vertices.h"
@@ -26,7 +27,7 @@ struct Vertices : MatchedVertices {
 
   Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match,
            const SilhouetteFinder& finder)
-      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder) {
+      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder), cuts_(match.depthKnown) {
     for (std::size_t v = 0; v < frame.size(); ++v)
       surface.push_back(finder.surface(glm::dvec2(frame[v]), inverseDepth[v]));
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -50,11 +51,12 @@ struct Vertices : MatchedVertices {
            finder_.apart(surface[t.z], surface[t.x]);
   }
   // Between two surfaces triangles turn over by right: they are cut, not repaired.
-  bool folded(const glm::uvec3& t) const { return turned(t) && !apart(t); }
+  bool folded(const glm::uvec3& t) const { return turned(t) && !(cuts_ && apart(t)); }
   void keepOnly(const std::vector<bool>& keep) {
     ibr::keepOnly(frame, keep);
     ibr::keepOnly(surface, keep);
     ibr::keepOnly(inverseDepth, keep);
+    if (!planes.empty()) ibr::keepOnly(planes, keep);
     for (auto& list : matched) ibr::keepOnly(list, keep);
     for (auto& list : stored) ibr::keepOnly(list, keep);
   }
@@ -72,10 +74,12 @@ struct Vertices : MatchedVertices {
     frame.emplace_back(vertex.place.pixel);
     inverseDepth.push_back(vertex.place.inverseDepth);
     surface.push_back(vertex.place);
+    if (!planes.empty()) planes.push_back(planes[vertex.like]);
   }
 
  private:
   const SilhouetteFinder& finder_;
+  bool cuts_;  // at depth edges: not where depth is only what matches say
   std::vector<glm::dvec2> scale_;
 };
 
@@ -139,7 +143,8 @@ void dropUnused(Vertices& vertices, std::size_t first, std::vector<Face>& faces)
 
 }  // namespace
 
-CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match) {
+CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match,
+                   TriangleFilter filter) {
   const std::size_t d = views.size();
   CellMesh result;
   MorphMesh& mesh = result.mesh;
@@ -149,11 +154,12 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, triangles);
   std::vector<Face> faces;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const bool agrees = labels[t].agrees() && !vertices.turned(triangles[t]);
+    const bool agrees = labels[t].agrees() && !vertices.turned(triangles[t]) &&
+                        (filter == TriangleFilter::consistency || homogeneous(vertices.planes, triangles[t]));
     faces.push_back({triangles[t], agrees ? kTierAgrees : kTierRejected, labels[t].ecc, true});
   }
   const std::size_t before = vertices.count();
-  layer(views, match, finder, vertices, triangles, faces);
+  if (match.depthKnown) layer(views, match, finder, vertices, triangles, faces);
   dropUnused(vertices, before, faces);
 
   double covered = 0, weighted = 0;
@@ -171,6 +177,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   if (covered > 0) result.quality.ecc = weighted / covered;
 
   mesh.match = vertices.stored;
+  mesh.planes = vertices.planes;
   mesh.ratio.resize(d);
   std::vector<double> residuals, level;
   std::vector<Camera> cameras;

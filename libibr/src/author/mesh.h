@@ -23,7 +23,9 @@ struct CellMesh {
 };
 
 /// `stored` are the members' cameras at the size of the stored photographs; the views may be smaller versions of them,
-/// at poses adjusted for matching: ρ and a_i belong to the poses of `stored`.
-CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match);
+/// at poses adjusted for matching: ρ and a_i belong to the poses of `stored`. `filter`: what a triangle of tier 0 needs
+/// beyond looking alike and consistency.
+CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> views, const DenseMatch& match,
+                   TriangleFilter filter = TriangleFilter::consistency);
 
 }  // namespace ibr

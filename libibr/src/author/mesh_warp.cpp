@@ -9,6 +9,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "author/delaunay.h"
+#include "author/raster.h"
 #include "author/vertices.h"
 
 namespace ibr {
@@ -59,7 +60,9 @@ struct Anchors {
     ibr::keepOnly(off, keep);
     ibr::keepOnly(to, keep);
   }
-  std::vector<glm::uvec3> triangulate() const { return delaunayTriangles(std::vector<glm::dvec2>(at.begin(), at.end())); }
+  std::vector<glm::uvec3> triangulate() const {
+    return delaunayTriangles(std::vector<glm::dvec2>(at.begin(), at.end()));
+  }
   bool folded(const glm::uvec3& t) const {
     const glm::vec2 a = to[t.y] - to[t.x], b = to[t.z] - to[t.x];
     return !(a.x * b.y - a.y * b.x > 0);
@@ -125,22 +128,15 @@ ImageF meshWarp(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize) 
       anchors.to.push_back(mapped(plane, at));
       anchors.off.emplace_back(0.0f);
     }
-  for (const glm::uvec3& t : triangulateAndRepair(anchors)) {
-    const glm::vec2 a = anchors.at[t.x], b = anchors.at[t.y] - a, c = anchors.at[t.z] - a;
-    const float area = b.x * c.y - b.y * c.x;
-    if (!(area > 0)) continue;
-    const glm::vec2 low = glm::min(a, a + glm::min(b, c)), high = glm::max(a, a + glm::max(b, c));
-    for (int y = std::max(int(low.y - 0.5f), 0); y <= std::min(int(high.y), size.y - 1); ++y)
-      for (int x = std::max(int(low.x - 0.5f), 0); x <= std::min(int(high.x), size.x - 1); ++x) {
-        const glm::vec2 p = glm::vec2(float(x) + 0.5f, float(y) + 0.5f) - a;
-        const float v = (p.x * c.y - p.y * c.x) / area, w = (b.x * p.y - b.y * p.x) / area;
-        if (v < 0 || w < 0 || v + w > 1) continue;
-        const glm::vec2 off = (1 - v - w) * anchors.off[t.x] + v * anchors.off[t.y] + w * anchors.off[t.z];
-        const glm::vec2 to = mapped(plane, {float(x) + 0.5f, float(y) + 0.5f}) + off;
-        map.pixel(x, y)[0] = to.x;
-        map.pixel(x, y)[1] = to.y;
-      }
-  }
+  for (const glm::uvec3& t : triangulateAndRepair(anchors))
+    forPixelsIn(anchors.at[t.x], anchors.at[t.y], anchors.at[t.z], size.x, size.y,
+                [&](int x, int y, const glm::dvec3& weights) {
+                  const glm::vec3 w(weights);
+                  const glm::vec2 off = w.x * anchors.off[t.x] + w.y * anchors.off[t.y] + w.z * anchors.off[t.z];
+                  const glm::vec2 to = mapped(plane, {float(x) + 0.5f, float(y) + 0.5f}) + off;
+                  map.pixel(x, y)[0] = to.x;
+                  map.pixel(x, y)[1] = to.y;
+                });
   return map;
 }
 

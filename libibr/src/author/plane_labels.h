@@ -9,6 +9,8 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "ibr/scene.h"
+
 namespace ibr {
 
 /// The first plane that three sets have in common, counted from 1; 0 where they have none.
@@ -18,5 +20,8 @@ std::uint16_t commonPlane(const glm::u16vec4& a, const glm::u16vec4& b, const gl
 inline bool homogeneous(std::span<const glm::u16vec4> planes, const glm::uvec3& t) {
   return planes.empty() || commonPlane(planes[t.x], planes[t.y], planes[t.z]) != 0;
 }
+
+/// Share of the triangles of tier 0 that are; NaN without labels or without triangles.
+double homogeneousShare(const MorphMesh& mesh);
 
 }  // namespace ibr

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
 #include "author/delaunay.h"
 #include "author/plane_labels.h"
+#include "author/raster.h"
 #include "author/vertices.h"
 
 namespace ibr {
@@ -97,8 +97,6 @@ TrackField fieldOf(std::span<const PlaneTrack> tracks, std::span<const glm::uvec
   TrackField field{std::vector<ImageF>(members, ImageF(size.x, size.y, 2, -1.0f)), Image8(size.x, size.y, 1)};
   for (const glm::uvec3& t : triangles) {
     const PlaneTrack &a = tracks[t.x], &b = tracks[t.y], &c = tracks[t.z];
-    const double whole = area(a, b, c, 0);
-    if (!(whole > 0)) continue;
     const std::uint16_t shared = commonPlane(labels[t.x], labels[t.y], labels[t.z]);
     // The plane is off the corners by a little: what is left is spread over the triangle.
     std::array<std::array<glm::dvec2, kMostMembers>, 3> left{a.at, b.at, c.at};
@@ -108,23 +106,17 @@ TrackField fieldOf(std::span<const PlaneTrack> tracks, std::span<const glm::uvec
       onPlane = there.has_value();
       for (std::size_t i = 0; onPlane && i < members; ++i) left[std::size_t(k)][i] -= (*there)[i];
     }
-    const glm::dvec2 low = glm::min(a.at[0], glm::min(b.at[0], c.at[0]));
-    const glm::dvec2 high = glm::max(a.at[0], glm::max(b.at[0], c.at[0]));
-    for (int y = std::max(int(low.y - 0.5), 0); y <= std::min(int(high.y), size.y - 1); ++y)
-      for (int x = std::max(int(low.x - 0.5), 0); x <= std::min(int(high.x), size.x - 1); ++x) {
-        const glm::dvec2 pixel(x + 0.5, y + 0.5), p = pixel - a.at[0], u = b.at[0] - a.at[0], v = c.at[0] - a.at[0];
-        const double wb = (p.x * v.y - p.y * v.x) / whole, wc = (u.x * p.y - u.y * p.x) / whole;
-        if (wb < 0 || wc < 0 || wb + wc > 1) continue;
-        const auto on = onPlane ? planes[shared - 1u](pixel) : std::nullopt;
-        if (onPlane && !on) continue;
-        field.known.pixel(x, y)[0] = 1;
-        for (std::size_t i = 0; i < members; ++i) {
-          glm::dvec2 at = (1 - wb - wc) * left[0][i] + wb * left[1][i] + wc * left[2][i];
-          if (on) at += (*on)[i];
-          field.position[i].pixel(x, y)[0] = float(at.x);
-          field.position[i].pixel(x, y)[1] = float(at.y);
-        }
+    forPixelsIn(a.at[0], b.at[0], c.at[0], size.x, size.y, [&](int x, int y, const glm::dvec3& w) {
+      const auto on = onPlane ? planes[shared - 1u](glm::dvec2(x + 0.5, y + 0.5)) : std::nullopt;
+      if (onPlane && !on) return;
+      field.known.pixel(x, y)[0] = 1;
+      for (std::size_t i = 0; i < members; ++i) {
+        glm::dvec2 at = w.x * left[0][i] + w.y * left[1][i] + w.z * left[2][i];
+        if (on) at += (*on)[i];
+        field.position[i].pixel(x, y)[0] = float(at.x);
+        field.position[i].pixel(x, y)[1] = float(at.y);
       }
+    });
   }
   return field;
 }

@@ -37,7 +37,7 @@ class GltfDocument {
     std::vector<std::byte> bytes;
 
     float value(std::size_t element, std::size_t component) const;  // where components are floats
-    std::uint32_t index(std::size_t element) const;                 // where there is one component, a whole number
+    std::uint32_t index(std::size_t element) const;  // of all components in turn, whole numbers
   };
   /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` those allowed, of kFloat and so on. The last buffer is
   /// kept, so that accessors are best read buffer by buffer; not to be called from several threads.

@@ -34,7 +34,7 @@ T get(std::span<const std::byte> bytes, MeshLayout::Array array, std::size_t ind
 
 MeshLayout layoutOf(const MorphMesh& mesh) {
   const std::size_t tier0 = mesh.tier0Count();
-  return {mesh.memberCount(), mesh.pointCount(), tier0, mesh.triangles.size() - tier0};
+  return {mesh.memberCount(), mesh.pointCount(), tier0, mesh.triangles.size() - tier0, !mesh.planes.empty()};
 }
 
 float storedMatch(float pixel, int side) {
@@ -102,6 +102,7 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
     put(bytes, layout.inverseDistance(), p, mesh.inverseDistance[p]);
     put(bytes, layout.uncertainty(), p, mesh.uncertainty[p]);
     put(bytes, layout.position(), p, positions[p]);
+    if (layout.hasPlanes) put(bytes, layout.planes(), p, mesh.planes[p]);
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const int tier = t < layout.tier0 ? 0 : 1;
@@ -138,6 +139,7 @@ MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout,
   for (std::size_t p = 0; p < layout.points; ++p) {
     mesh.inverseDistance.push_back(get<float>(bytes, layout.inverseDistance(), p));
     mesh.uncertainty.push_back(get<float>(bytes, layout.uncertainty(), p));
+    if (layout.hasPlanes) mesh.planes.push_back(get<glm::u16vec4>(bytes, layout.planes(), p));
   }
   for (int tier = 0; tier < 2; ++tier)
     for (std::size_t t = 0; t < (tier == 0 ? layout.tier0 : layout.tier1); ++t) {

@@ -8,6 +8,7 @@
 //   POSITION      3 floats a point, relative to the members' mean position; for display
 //   ecc           a float a triangle
 //   indices       3 a triangle, tier 0 first; 16 bits up to 65,535 points, else 32
+//   _PLANES       4 of 16 bits a point, where the mesh has them
 #pragma once
 
 #include <cstddef>
@@ -21,6 +22,7 @@ namespace ibr {
 /// Numbers that fix where everything lies.
 struct MeshLayout {
   std::size_t members = 0, points = 0, tier0 = 0, tier1 = 0;
+  bool hasPlanes = false;
 
   struct Array {
     std::size_t offset = 0, bytes = 0;
@@ -40,7 +42,10 @@ struct MeshLayout {
     const std::size_t first = (tier0 * 3 * indexBytes() + 3) & ~std::size_t(3);
     return {start + (tier == 0 ? 0 : first), (tier == 0 ? tier0 : tier1) * 3 * indexBytes()};
   }
-  std::size_t bytes() const { return (indices(1).offset + indices(1).bytes + 3) & ~std::size_t(3); }
+  Array planes() const {
+    return {(indices(1).offset + indices(1).bytes + 3) & ~std::size_t(3), hasPlanes ? points * 8 : 0};
+  }
+  std::size_t bytes() const { return planes().offset + planes().bytes; }
 };
 
 MeshLayout layoutOf(const MorphMesh& mesh);
@@ -50,6 +55,15 @@ MeshLayout layoutOf(const MorphMesh& mesh);
 float storedMatch(float pixel, int side);
 float textureCoordinate(float pixel, int side);
 float matchFromTexture(float coordinate, int side);
+
+/// Whether the planes of a point ascend and are filled up with 0.
+inline bool isPlaneSet(const glm::u16vec4& set) {
+  for (int k = 1; k < 4; ++k)
+    if (set[k] != 0 && set[k] <= set[k - 1]) return false;
+  for (int k = 1; k < 4; ++k)
+    if (set[k] != 0 && set[k - 1] == 0) return false;
+  return true;
+}
 
 /// Where a cell's vertices are drawn by viewers that do not know the extension, relative to `displayOrigin`. A point at
 /// infinity stands at 1000 times the cell's longest edge (1000 where that is 0).

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "scene/mesh_buffer.h"
 
 namespace ibr {
 
@@ -97,6 +98,11 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
   };
   nonNegative(mesh.inverseDistance, ".inverseDistance");
   nonNegative(mesh.uncertainty, ".uncertainty");
+  if (!mesh.planes.empty() && sized(mesh.planes.size(), points, ".planes"))
+    for (std::size_t p = 0; p < points; ++p)
+      if (const glm::u16vec4 set = mesh.planes[p]; !isPlaneSet(set))
+        faults.add(fmt::format("{}.planes[{}]", at, p), "({}, {}, {}, {}) does not ascend, then stay 0", set.x, set.y,
+                   set.z, set.w);
   for (std::size_t t = 0; t < triangles; ++t) {
     const glm::uvec3 v = mesh.triangles[t];
     if (v.x >= points || v.y >= points || v.z >= points)

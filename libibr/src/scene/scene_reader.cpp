@@ -187,6 +187,17 @@ class Reader {
                                   notNegative, "is negative or not finite");
     mesh.uncertainty = floats(sized(gltf_.accessor(attributes["_UNCERTAINTY"], "SCALAR", {kFloat})), 0, notNegative,
                               "is negative or not finite");
+    if (attributes.has("_PLANES")) {
+      const Accessor planes = sized(gltf_.accessor(attributes["_PLANES"], "VEC4", {GltfDocument::kUnsignedShort}));
+      for (std::size_t p = 0; p < points; ++p) {
+        glm::u16vec4 set;
+        for (int k = 0; k < 4; ++k) set[k] = std::uint16_t(planes.index(4 * p + std::size_t(k)));
+        if (!isPlaneSet(set))
+          planes.json.fault(
+              fmt::format("element {}: ({}, {}, {}, {}) does not ascend, then stay 0", p, set.x, set.y, set.z, set.w));
+        mesh.planes.push_back(set);
+      }
+    }
     const Accessor position = sized(gltf_.accessor(attributes["POSITION"], "VEC3", {kFloat}));
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
     for (std::size_t p = 0; p < points; ++p) {

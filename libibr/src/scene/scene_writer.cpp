@@ -207,6 +207,8 @@ class Writer {
     attributes["_RATIO"] = vertices(layout.ratio(), kTypes[layout.members - 1]);
     attributes["_INVERSE_DISTANCE"] = vertices(layout.inverseDistance(), "SCALAR");
     attributes["_UNCERTAINTY"] = vertices(layout.uncertainty(), "SCALAR");
+    if (layout.hasPlanes)
+      attributes["_PLANES"] = addAccessor(buffer, layout.planes(), layout.points, kUnsignedShort, "VEC4", kVertices);
 
     Json primitives = Json::array(), tiers = Json::array(), ecc = Json::array();
     for (int tier = 0; tier < 2; ++tier) {

@@ -56,6 +56,8 @@ Scene example(std::uint64_t seed = 1) {
       c.mesh.inverseDistance.push_back(p % 7 == 0 ? 0.0f : float(unit(random)));
       c.mesh.uncertainty.push_back(float(unit(random)));
     }
+    if (points == 40 || points == 50)
+      for (std::size_t p = 0; p < points; ++p) c.mesh.planes.emplace_back(p % 3, p % 3 ? 7 : 0, p % 3 ? 65535 : 0, 0);
     for (std::size_t t = 0; points > 2 && t < 2 * points; ++t) {
       c.mesh.triangles.emplace_back(t % points, (t + 1) % points, (t + 2) % points);
       c.mesh.tier.push_back(t < points ? kTierAgrees : kTierRejected);
@@ -84,6 +86,7 @@ void compareMeshes(const MorphMesh& a, const MorphMesh& b) {
   CHECK(a.triangles == b.triangles);
   CHECK(a.tier == b.tier);
   CHECK(a.ecc == b.ecc);
+  CHECK(a.planes == b.planes);
 }
 
 void compare(const Scene& a, const Scene& b) {

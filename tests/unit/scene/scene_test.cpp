@@ -35,6 +35,12 @@ Scene goodScene() {
   return scene;
 }
 
+std::vector<glm::u16vec4>& planesOf(Scene& scene) {
+  MorphMesh& mesh = scene.cells[0].mesh;
+  mesh.planes.assign(mesh.pointCount(), glm::u16vec4(1, 2, 0, 0));
+  return mesh.planes;
+}
+
 }  // namespace
 
 TEST_CASE("each fault of a scene is named") {
@@ -78,6 +84,11 @@ TEST_CASE("each fault of a scene is named") {
       {"cells[0].mesh.uncertainty", [](Scene& s) { s.cells[0].mesh.uncertainty.clear(); }},
       {"cells[0].mesh.uncertainty[1]", [](Scene& s) { s.cells[0].mesh.uncertainty[1] = kInfinity; }},
       {"cells[0].mesh.triangles[4]", [](Scene& s) { s.cells[0].mesh.triangles[4].y = 1000; }},
+      {"cells[0].mesh.planes", [](Scene& s) { s.cells[0].mesh.planes = {{1, 2, 0, 0}}; }},
+      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {2, 2, 0, 0}; }},
+      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {3, 2, 0, 0}; }},
+      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {1, 0, 2, 0}; }},
+      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {0, 1, 0, 0}; }},
       {"cells[0].mesh.tier", [](Scene& s) { s.cells[0].mesh.tier.pop_back(); }},
       {"cells[0].mesh.tier[0]", [](Scene& s) { s.cells[0].mesh.tier[0] = 2; }},
       {"cells[0].mesh.tier[1]", [](Scene& s) { s.cells[0].mesh.tier[0] = kTierRejected; }},

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The matching methods on photographs: bounds that a broken matcher misses. Needs IBR_DATASETS.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "ibr/error.h"
+#include "ibr/matchers.h"
+
+using namespace ibr;
+namespace fs = std::filesystem;
+
+namespace {
+
+// Exit code 77: skipped.
+fs::path datasets() {
+  const char* const folder = std::getenv("IBR_DATASETS");
+  if (folder && fs::is_directory(fs::path(folder) / "pairs_opencv")) return folder;
+  std::puts("skipped: IBR_DATASETS names no folder with pairs_opencv");
+  std::exit(77);
+}
+
+MatchCase caseNamed(const std::string& name) {
+  std::vector<MatchCase> cases = readMatchCases(IBR_MATCHER_CASES, datasets());
+  return *std::ranges::find(cases, name, &MatchCase::name);
+}
+
+}  // namespace
+
+TEST_CASE("aloe at a third of its size against the true disparities, by flow and by homographies") {
+  MatchCase aloe = caseNamed("aloe");
+  aloe.maxSize = 427;
+  const std::vector<MatchScore> scores = compareMethods(aloe);
+  REQUIRE(scores.size() == 3);  // no poses: no sweep
+  for (const MatchScore& score : scores) {
+    const bool flow = score.method == MatchMethod::flow;
+    INFO(methodName(score.method) << " " << int(score.filter));
+    CHECK(score.vertices > 400);
+    CHECK(score.medianPx < (flow ? 0.8 : 0.5));
+    CHECK(score.within1Px > (flow ? 0.5 : 0.8));
+    CHECK(score.beyond3Px < (flow ? 0.3 : 0.06));
+    CHECK(score.coverage > (score.filter == TriangleFilter::homogeneous ? 0.2 : 0.4));
+    CHECK(score.memberPsnr > 26);
+    CHECK(score.ecc > 0.8);
+  }
+  const MatchScore &all = scores[1], &onPlanes = scores[2];
+  CHECK(all.homogeneous > 0.5);
+  CHECK(all.homogeneous < 1);
+  CHECK(onPlanes.homogeneous == 1);
+  CHECK(onPlanes.coverage < all.coverage);
+}
+
+TEST_CASE("a cell of the street at half its size against exact depth, by each method") {
+  MatchCase street = caseNamed("street");
+  street.maxSize = 384;
+  const std::vector<MatchScore> scores = compareMethods(street);
+  REQUIRE(scores.size() == 4);
+  CHECK(scores[0].method == MatchMethod::sweep);
+  for (const MatchScore& score : scores) {
+    const bool planes = score.method == MatchMethod::homographic;
+    INFO(methodName(score.method) << " " << int(score.filter));
+    CHECK(score.vertices > 250);
+    CHECK(score.medianPx < (planes ? 0.3 : 0.6));
+    CHECK(score.within1Px > (planes ? 0.9 : 0.55));
+    CHECK(score.kept > (planes ? 0.15 : 0.4));
+    CHECK(score.precision > 0.65);
+    CHECK(score.memberPsnr > 24);
+  }
+  CHECK(scores[3].precision > scores[2].precision);
+}
