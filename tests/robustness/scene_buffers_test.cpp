@@ -36,7 +36,7 @@ TEST_CASE("accessors keep inside their views, and views inside their buffers") {
   refuse("/bufferViews/0/byteOffset", "2");  // aligned in the view is not aligned in the buffer
   refuse("/bufferViews/0/byteLength", std::to_string(length + 4), "/bufferViews/0");
   refuse("/buffers/0/byteLength", std::to_string(length + 4));
-  refuse("/buffers/0/byteLength", std::to_string(length - 4), "/bufferViews/8");
+  refuse("/buffers/0/byteLength", std::to_string(length - 4), "/bufferViews/6");  // planes lie last
   refuse("/meshes/0/primitives/0/mode", "1");
   refuse("/meshes/0/primitives/1/attributes/_RATIO", "4", "/meshes/0/primitives/1/attributes");
   const auto ofMesh = [&](const char* what, int primitive) {

@@ -43,7 +43,7 @@ bool sealLargestPlane(const PlaneFitter& fit, std::span<PlaneTrack> tracks, std:
   std::vector<PlaneTrack*> rest;
   for (PlaneTrack& track : tracks)
     if (track.plane < 0) rest.push_back(&track);
-  if (rest.size() < kLeastOnPlane || planes.size() >= kMostPlanes) return false;
+  if (rest.size() < leastOnPlane(fit) || planes.size() >= kMostPlanes) return false;
 
   std::mt19937_64 random(seed);
   std::vector<PlaneTrack*> scored;
@@ -82,7 +82,7 @@ bool sealLargestPlane(const PlaneFitter& fit, std::span<PlaneTrack> tracks, std:
   }
   if (bestInliers.empty()) return false;
   grow(fit, rest, best, bestInliers);
-  if (bestInliers.size() < kLeastOnPlane) return false;
+  if (bestInliers.size() < leastOnPlane(fit)) return false;
   for (PlaneTrack* track : rest)
     if (best.error(*track) < kOnPlanePx) track->plane = int(planes.size());
   planes.push_back(best);

@@ -15,8 +15,12 @@
 namespace ibr {
 
 inline constexpr double kOnPlanePx = 1.5;      // from where a homography puts a match to where it is
-inline constexpr std::size_t kLeastOnPlane = 12;  // matches that make a plane
 inline constexpr std::size_t kMostPlanes = 400;   // of a cell
+
+/// Matches that make a plane: three times those that fix one.
+inline std::size_t leastOnPlane(const PlaneFitter& fit) {
+  return 3 * fit.leastTracks();
+}
 
 /// Looks for the largest plane among the tracks whose `plane` is −1, appends it and sets theirs; returns whether there
 /// was one. The same tracks and seed give the same plane.

@@ -7,6 +7,7 @@
 
 #include "author/agreement.h"
 #include "author/cv_view.h"
+#include "author/epipolar.h"
 #include "author/features.h"
 #include "author/homographies.h"
 #include "author/plane_patch.h"
@@ -20,6 +21,7 @@ namespace {
 
 constexpr int kFeatures = 12'000;
 constexpr double kRatio = 0.85;
+constexpr double kEpipolarPx = 2.0;
 constexpr int kRematches = 4;
 constexpr double kWorthRematching = 0.02;  // of the sealed tracks, that a round must add for another one
 constexpr double kCyclePx = 3.0;           // two ways to the same feature of a third member
@@ -64,6 +66,13 @@ class HomographicMatcher {
     return cameras;
   }
 
+  // With poses features only compete with those that may be the same point.
+  std::vector<FeatureMatch> matchPair(std::size_t i, std::size_t j, const std::vector<std::vector<bool>>& taken) const {
+    if (options_.posed && glm::distance(cameras_[i].pose.position, cameras_[j].pose.position) > 0)
+      return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
+    return mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]);
+  }
+
   // Tracks of features that no plane has sealed, through all members; no pair of members may contradict.
   std::vector<PlaneTrack> matchUnsealed() const {
     std::vector<std::vector<bool>> taken;
@@ -76,8 +85,8 @@ class HomographicMatcher {
       to[i].resize(d_);
       for (std::size_t j = i + 1; j < d_; ++j) {
         to[i][j].assign(features_[i].count(), kNoFeature);
-        for (const FeatureMatch& m : mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]))
-          to[i][j][m.a] = m.b;
+        for (const FeatureMatch& m : matchPair(i, j, taken))
+          if (!taken[i][m.a] && !taken[j][m.b]) to[i][j][m.a] = m.b;
       }
     }
     std::vector<PlaneTrack> found;
@@ -137,7 +146,7 @@ class HomographicMatcher {
     for (const PlaneTrack& track : tracks_)
       if (track.plane >= 0) on[std::size_t(track.plane)].push_back(&track);
     for (std::size_t p = 0; p < planes_.size(); ++p)
-      if (on[p].size() >= kLeastOnPlane)
+      if (on[p].size() >= leastOnPlane(fit_))
         if (const auto plane = fit_(on[p])) planes_[p] = *plane;
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <unordered_map>
 
 #include "author/homographies.h"
@@ -21,6 +22,9 @@ constexpr double kApart = 3.0;              // px between matches
 constexpr double kMargin = 4.0;             // px about the corresponding triangle
 constexpr int kSameDescriptor = 100'000;    // largest distance (0.38 of unit descriptors, squared)
 constexpr double kFocusedRatio = 0.8;
+constexpr double kAround = 40.0;            // px, from a feature to matches that lend it their planes …
+constexpr std::size_t kNeighbours = 8;      // … the nearest of them
+constexpr double kStretch = 2.0;            // by which distances may grow from member to member
 
 // Features by place, for looking up what is near.
 class Buckets {
@@ -153,28 +157,58 @@ void refineLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
 
 std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagation& with) {
   const std::size_t d = with.features.size();
-  return forUnmatched(
-      tracks, with.features[0],
-      [&](const glm::uvec3& t, std::uint32_t f, glm::dvec2 pixel) -> std::optional<PlaneTrack> {
-        PlaneTrack track;
-        double best = kExtrapolated;
-        for (const int p : planesOf(tracks, t)) {
-          const PlaneMaps& plane = with.planes[std::size_t(p)];
-          auto at = plane(pixel);
-          if (!at) continue;
-          bool near = true;
-          for (std::size_t i = 1; i < d; ++i) near = near && boxOf(tracks, t, i).holds((*at)[i]);
-          if (!near) continue;
-          const double found = with.patches.align(plane, {at->data(), d}, kReach);
-          if (found <= best) continue;
-          best = found;
-          track.at = *at;
-          track.plane = p;
-        }
-        if (track.plane < 0) return std::nullopt;
-        track.feature[0] = f;
-        return track;
-      });
+  const Features& first = with.features[0];
+  Buckets matched(kAround / 2);
+  std::vector<bool> taken(first.count(), false);
+  for (std::size_t t = 0; t < tracks.size(); ++t) {
+    matched.add(tracks[t].at[0], std::uint32_t(t));
+    if (tracks[t].feature[0] != kNoFeature) taken[tracks[t].feature[0]] = true;
+  }
+  const std::size_t before = tracks.size();
+  std::vector<std::pair<double, std::uint32_t>> around;
+  std::vector<PlaneTrack> found;
+  for (std::uint32_t f = 0; f < first.count(); ++f) {
+    const glm::dvec2 pixel(first.at[f]);
+    if (taken[f]) continue;
+    around.clear();
+    matched.forWithin(pixel - kAround, pixel + kAround, [&](glm::dvec2 at, std::uint32_t t) {
+      around.emplace_back(glm::distance(at, pixel), t);
+    });
+    std::ranges::sort(around);
+    if (around.empty() || around[0].first < kApart) continue;
+    if (around.size() > kNeighbours) around.resize(kNeighbours);
+    std::vector<int> planes;
+    for (const auto& [distance, t] : around)
+      if (tracks[t].plane >= 0) planes.push_back(tracks[t].plane);
+    std::ranges::sort(planes);
+    planes.erase(std::ranges::unique(planes).begin(), planes.end());
+    PlaneTrack track;
+    double best = kExtrapolated;
+    for (const int p : planes) {
+      const PlaneMaps& plane = with.planes[std::size_t(p)];
+      auto at = plane(pixel);
+      if (!at) continue;
+      // No farther from the neighbours' matches than from the neighbours, or little.
+      bool near = true;
+      for (std::size_t i = 1; i < d; ++i) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& [distance, t] : around)
+          least = std::min(least, glm::distance((*at)[i], tracks[t].at[i]) - kStretch * distance);
+        near = near && least < kMargin;
+      }
+      if (!near) continue;
+      const double correlation = with.patches.align(plane, {at->data(), d}, kReach);
+      if (correlation <= best) continue;
+      best = correlation;
+      track.at = *at;
+      track.plane = p;
+    }
+    if (track.plane < 0) continue;
+    track.feature[0] = f;
+    found.push_back(track);
+  }
+  tracks.insert(tracks.end(), found.begin(), found.end());
+  return tracks.size() - before;
 }
 
 std::size_t matchFocused(std::vector<PlaneTrack>& tracks, const Propagation& with) {

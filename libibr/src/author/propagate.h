@@ -2,7 +2,7 @@
 // From planes on to what was not matched, triangle by triangle (steps 4 to 6 of homographic decomposition matching).
 //
 //   local refinement     a match moves to where a neighbour's plane puts it if the members look more alike there
-//   local extrapolation  a feature without a match goes where the plane of a corner of its triangle puts it
+//   local extrapolation  a feature without a match goes where the plane of one of the matches around it puts it
 //   focused matching     what no plane explains is sought by descriptor within the corresponding triangle only
 #pragma once
 
