@@ -26,11 +26,11 @@ struct Way {
 constexpr Way kWays[]{
     {TextureFormat::rgba8, TextureFilter::trilinear, "trilinear"},
     {TextureFormat::rgba8, TextureFilter::bilinear, "bilinear"},
-    {TextureFormat::rgba8, TextureFilter::bicubic, "bicubic"},
     {TextureFormat::bc7, TextureFilter::trilinear, "trilinear"},
     {TextureFormat::bc7, TextureFilter::bilinear, "bilinear"},
     {TextureFormat::bc1, TextureFilter::trilinear, "trilinear"},
     {TextureFormat::bc1, TextureFilter::bilinear, "bilinear"},
+    {TextureFormat::rgba8, TextureFilter::bicubic, "bicubic"},
 };
 
 TextureSource encodedAs(TextureFormat format) {

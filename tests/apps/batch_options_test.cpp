@@ -139,11 +139,11 @@ TEST_CASE("a file that is not there is exit code 2, and named") {
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("photographs without poses: the answer says what to give") {
+TEST_CASE("no photographs and no poses: the answer counts them") {
   test::TemporaryFolder folder;
   const auto outcome = runProgram({"build", folder.path(), "-o", folder / "scene"});
-  CHECK(outcome.code == 2);
-  CHECK_THAT(outcome.err, Contains("--model") && Contains("COLMAP"));
+  CHECK(outcome.code == 3);
+  CHECK_THAT(outcome.err, Contains(folder.path().string()) && Contains("there are 0"));
 }
 
 TEST_CASE("a malformed file is exit code 3, and named") {

@@ -88,7 +88,7 @@ TEST_CASE("a grid of photographs, a walk through it within a budget, and what fo
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const auto formats = nlohmann::json::parse(outcome.out).at("formats");
-  REQUIRE(formats.size() == 6);
+  REQUIRE(formats.size() == 7);
   CHECK(formats[0].at("ratio") == 1);
   CHECK(formats[0].at("textureBytes") > formats[2].at("textureBytes"));
   CHECK(formats[2].at("textureBytes") > formats[4].at("textureBytes"));
