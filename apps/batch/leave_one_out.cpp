@@ -81,7 +81,7 @@ class LeaveOneOut {
   LeaveOneOut(const BuildOptions& build, const EvaluationOptions& evaluation, std::uint64_t key, fs::path work,
               const Context& context)
       : build_(build), evaluation_(evaluation), key_(key), work_(std::move(work)), context_(context) {
-    build_.output = work_ / "scene";
+    build_.output = work_ / ".scene-without-one";
     build_.finishedCells = work_ / "cells";
   }
 
@@ -123,7 +123,7 @@ class LeaveOneOut {
       const auto pictures = evaluationFiles(evaluation_, view);
       if (outcome.failure.empty() && !std::ranges::all_of(pictures, [](const fs::path& f) { return fs::exists(f); }))
         return std::nullopt;
-      device_ = json.at("device");
+      if (const std::string device = json.at("device"); !device.empty()) device_ = device;
       return outcome;
     } catch (const Json::exception&) {
       return std::nullopt;  // damaged: made again
@@ -202,7 +202,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
                  context);
   context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
                 run.counts().shared);
-  fs::remove_all(work / "scene");
+  fs::remove_all(work / ".scene-without-one");
   if (options.work.empty()) fs::remove_all(work);
   check(std::ranges::any_of(outcomes, [](const ViewOutcome& o) { return o.failure.empty(); }), ErrorCode::invalidInput,
         "{}: no photograph could be left out: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);

@@ -89,7 +89,7 @@ Scores meanOf(const std::vector<Scores>& all) {
     double sum = 0;
     std::size_t count = 0;
     for (const Scores& scores : all)
-      if (!std::isnan(scores.*figure.value)) {
+      if (std::isfinite(scores.*figure.value)) {
         sum += scores.*figure.value;
         ++count;
       }

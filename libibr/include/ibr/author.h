@@ -75,9 +75,10 @@ PosedModel readTransforms(const std::filesystem::path& file, const std::filesyst
 /// Poses by the program COLMAP (3.8 or later), which does its work on the processor.
 struct PoseOptions {
   std::filesystem::path photographs;  // folder; pictures below it are taken, too
-  std::filesystem::path folder;       // for what COLMAP makes; made if missing, and kept
+  std::filesystem::path folder;       // for what COLMAP makes; made if missing, and kept; holds nothing else
   std::string program = "colmap";     // looked for along PATH, unless it names a folder
   int threads = 0;                    // 0 = all cores
+  std::filesystem::path without;      // pictures below this folder are not meant; may be empty
 };
 struct PoseReport {
   std::filesystem::path model;  // folder of the model, the largest where there are several

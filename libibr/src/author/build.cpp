@@ -192,7 +192,8 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
   BuildOptions posed = options;
   checkOptions(options);
   if (posesFile(options).empty())
-    posed.model = estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads},
+    posed.model = estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
+                                 options.output / "images"},
                                 progress, log)
                       .model;
   return Builder(posed, progress, log).run();

@@ -14,11 +14,12 @@
 #include "author/refine_full.h"
 #include "author/stopwatch.h"
 #include "author/vertices.h"
+#include "base/check.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 6;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 7;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
 constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
@@ -164,9 +165,16 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   if (auto kept = fetchCell(keptFolder(options_), key);
       kept && (panoramic || !options_.backdrops || fetchDepths(keptFolder(options_), key).has_value()))
     return {std::move(*kept), watch.seconds(), true, key, planned.match.matcher};
-  MadeCell made{panoramic ? cellOfPanoramas(input_, members, planned.points)
-                          : pinholeCell(input_, options_, members, planned, key),
-                0, false, key, planned.match.matcher};
+  MadeCell made{{}, 0, false, key, planned.match.matcher};
+  try {
+    made.cell = panoramic ? cellOfPanoramas(input_, members, planned.points)
+                          : pinholeCell(input_, options_, members, planned, key);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::invalidInput) throw;
+    std::string names;
+    for (const std::uint32_t i : members) names += (names.empty() ? "" : ", ") + input_.photographs[i].name;
+    fail(error.code(), "the cell of {}: {}", names, error.what());
+  }
   storeCell(keptFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
   return made;

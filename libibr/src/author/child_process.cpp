@@ -91,9 +91,11 @@ class Child {
   bool ended() {
     if (id_ <= 0) return true;
     int raw = 0;
-    if (::waitpid(id_, &raw, WNOHANG) != id_) return false;
+    const pid_t got = ::waitpid(id_, &raw, WNOHANG);
+    if (got == 0 || (got < 0 && errno == EINTR)) return false;
     id_ = -1;
-    status_ = WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
+    constexpr int kUnknown = 127;  // somebody else waited for it, or children are not waited for here
+    status_ = got < 0 ? kUnknown : WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw);
     return true;
   }
   void end() {

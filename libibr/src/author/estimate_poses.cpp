@@ -65,6 +65,13 @@ std::optional<std::size_t> registered(std::string_view line) {
   return numberAt(line, at);
 }
 
+// Of an empty folder: nothing is.
+bool isWithin(const fs::path& file, const fs::path& folder) {
+  if (folder.empty()) return false;
+  const fs::path inside = fs::weakly_canonical(file).lexically_relative(fs::weakly_canonical(folder));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
 class Estimator {
  public:
   Estimator(const PoseOptions& options, const ProgressCallback& progress, const LogCallback& log)
@@ -74,6 +81,7 @@ class Estimator {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
     names_ = listPictures(options_.photographs);
+    std::erase_if(names_, [&](const std::string& name) { return isWithin(options_.photographs / name, options_.without); });
     check(names_.size() >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
           options_.photographs.string(), names_.size());
     prepare();
@@ -102,7 +110,10 @@ class Estimator {
       sameSize_ = sameSize_ && info.width == width_ && info.height == height_;
     }
     const std::string key = fmt::format("{:016x}\n", hash.value());
-    if (!fs::exists(file("key")) || readTextFile(file("key")) != key) fs::remove_all(options_.folder);
+    const bool ours = fs::exists(file("key"));
+    check(ours || !fs::exists(options_.folder) || fs::is_empty(options_.folder), ErrorCode::invalidInput,
+          "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
+    if (ours && readTextFile(file("key")) != key) fs::remove_all(options_.folder);
     fs::create_directories(options_.folder);
     writeFile(file("key"), key);
     std::string list;

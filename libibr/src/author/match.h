@@ -44,7 +44,6 @@ struct DenseMatch {
   ImageF inverseDepth;           // along the frame's axis
   float inverseDepthStep = 0;    // one level of the sweep
   std::vector<ImageF> position;  // of each member: 2 channels, px in its picture; outside it where good is 0
-  std::vector<ImageF> residual;  // of each member: 2 channels, px in the frame, what step 4 found against member 0
   Image8 good;                   // 1 channel: 1 where all members agree
   std::vector<Image8> seen;      // of each member: 1 where its texture is that of another one, and it sees the point
   bool refined = false;          // by step 4: positions are not quite what inverseDepth says

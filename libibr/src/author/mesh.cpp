@@ -28,6 +28,7 @@ struct Vertices : MatchedVertices {
   Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match,
            const SilhouetteFinder& finder)
       : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder), cuts_(match.depthKnown) {
+    for (glm::vec2& at : frame) at = snapped(glm::dvec2(at));
     for (std::size_t v = 0; v < frame.size(); ++v)
       surface.push_back(finder.surface(glm::dvec2(frame[v]), inverseDepth[v]));
     for (std::size_t i = 0; i < views.size(); ++i) {

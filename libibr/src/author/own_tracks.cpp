@@ -21,7 +21,10 @@ const char* trackSourceName(TrackSource source) {
 
 void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
   if (options.tracks == TrackSource::model) return;
-  if (options.tracks == TrackSource::own) input.model.tracks.clear();
+  if (options.tracks == TrackSource::own) {
+    input.model.tracks.clear();
+    input.tracksOf = tracksOfImages(input.model);
+  }
   PairOptions wanted;
   // Of a model with tracks, those that are far from each other and share few have been tried.
   if (!input.model.tracks.empty()) wanted.neighbours = 5;

@@ -101,6 +101,9 @@ double bytesToStore(const Photograph& photo) {
 std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
   const std::vector<std::byte> source = readFile(photo.source);
   const fs::path image = scene / photo.imageFile, texture = scene / photo.textureFile;
+  std::error_code ignored;
+  check(photo.copied || !fs::equivalent(photo.source, image, ignored), ErrorCode::invalidInput,
+        "{}: the scene would overwrite this photograph; name another folder for the scene", photo.source.string());
   fs::create_directories(image.parent_path());
   fs::create_directories(texture.parent_path());
   const Image8 picture = loadPhotograph(photo);

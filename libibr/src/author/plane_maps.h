@@ -43,7 +43,6 @@ class PlaneFitter {
   PlaneFitter(std::span<const Camera> cameras, bool posed);
 
   std::size_t leastTracks() const { return posed_ ? 3 : 4; }
-  std::size_t members() const { return maps_.size(); }
   /// Least squares. nullopt for too few tracks, tracks that fix no plane, and planes that are seen mirrored or at a
   /// scale of more than 8 there.
   std::optional<PlaneMaps> operator()(std::span<const PlaneTrack* const> tracks) const;

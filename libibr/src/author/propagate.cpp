@@ -75,7 +75,6 @@ std::vector<int> planesOf(const std::vector<PlaneTrack>& tracks, const glm::uvec
 
 struct Box {
   glm::dvec2 low, high;
-  bool holds(glm::dvec2 p) const { return p.x >= low.x && p.y >= low.y && p.x <= high.x && p.y <= high.y; }
 };
 Box boxOf(const std::vector<PlaneTrack>& tracks, const glm::uvec3& t, std::size_t member) {
   const glm::dvec2 a = tracks[t.x].at[member], b = tracks[t.y].at[member], c = tracks[t.z].at[member];
@@ -167,9 +166,10 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
   const std::size_t before = tracks.size();
   std::vector<std::pair<double, std::uint32_t>> around;
   std::vector<PlaneTrack> found;
+  Buckets added(kApart);
   for (std::uint32_t f = 0; f < first.count(); ++f) {
     const glm::dvec2 pixel(first.at[f]);
-    if (taken[f]) continue;
+    if (taken[f] || added.anyWithin(pixel, kApart)) continue;
     around.clear();
     matched.forWithin(pixel - kAround, pixel + kAround, [&](glm::dvec2 at, std::uint32_t t) {
       around.emplace_back(glm::distance(at, pixel), t);
@@ -206,6 +206,7 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
     if (track.plane < 0) continue;
     track.feature[0] = f;
     found.push_back(track);
+    added.add(pixel, f);
   }
   tracks.insert(tracks.end(), found.begin(), found.end());
   return tracks.size() - before;

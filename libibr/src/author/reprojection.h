@@ -2,6 +2,7 @@
 // From a view's pixel and inverse depth to where a photograph sees the same point, ray by ray.
 #pragma once
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/gtc/quaternion.hpp>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <thread>
@@ -60,6 +61,12 @@ class Splitter {
     const Stopwatch watch;
     checkOptions();
     readInput();
+    std::map<fs::path, std::string> stems;  // of the pictures to be, and whose
+    for (const PosedImage& image : input_.images) {
+      const auto [other, fresh] = stems.emplace(fs::path(image.name).replace_extension(), image.name);
+      check(fresh, ErrorCode::invalidInput, "{} and {}: their pictures would have the same names", other->second,
+            image.name);
+    }
     for (std::size_t i = 0; i < input_.images.size(); ++i) splitOne(i);
     carryTracks();
     writeColmapModel(result_, options_.output / "sparse");

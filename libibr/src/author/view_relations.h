@@ -34,7 +34,6 @@ class ViewRelations {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours(std::uint32_t image, std::uint32_t least) const;
 
   bool hasTracks() const { return !model_.tracks.empty(); }
-  std::size_t seenBy(std::uint32_t image) const { return tracks_[image].size(); }
 
  private:
   ViewRelation find(std::uint32_t a, std::uint32_t b) const;

@@ -126,6 +126,31 @@ Error errorOf(F&& f) {
 
 }  // namespace
 
+TEST_CASE("a photograph alone, with tracks of our own, is a scene of one backdrop") {
+  const Set set;
+  BuildOptions options = set.options();
+  options.tracks = TrackSource::own;
+  options.exclude = {set.model.images[1].name, set.model.images[2].name, set.model.images[3].name};
+  const BuildReport report = build(options);
+  CHECK(report.cells.empty());
+  CHECK(report.backdrops.size() == 1);
+}
+
+TEST_CASE("a scene does not overwrite the photographs it is made from") {
+  const Set set;
+  BuildOptions options = set.options();
+  options.output = set.folder / "workspace";
+  options.photographs = options.output / "images";
+  fs::create_directories(options.output);
+  fs::copy(set.folder / "photos", options.photographs, fs::copy_options::recursive);
+  options.maxSize = 64;
+  const auto before = readFile(options.photographs / set.model.images[0].name);
+  const Error error = errorOf([&] { build(options); });
+  CHECK(error.code() == ErrorCode::invalidInput);
+  CHECK_THAT(error.what(), Contains("overwrite"));
+  CHECK(readFile(options.photographs / set.model.images[0].name) == before);
+}
+
 TEST_CASE("photographs and a model become a valid scene whose matches are right") {
   const Set set;
   std::vector<std::string> stages;

@@ -80,6 +80,18 @@ const Calls kAll{"feature_extractor", "exhaustive_matcher", "mapper"};
 
 }  // namespace
 
+TEST_CASE("a folder with something else in it is left alone, and pictures that are not meant are not taken") {
+  const Place place;
+  fs::create_directories(place.options().folder);
+  writeFile(place.options().folder / "mine.txt", "kept");
+  CHECK(errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::invalidInput);
+  CHECK(readTextFile(place.options().folder / "mine.txt") == "kept");
+  PoseOptions options = place.options();
+  options.folder = place.folder / "other";
+  options.without = place.folder / "photos/more";
+  CHECK(estimatePoses(options).photographs == 3);
+}
+
 TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
   const Place place;
   std::map<std::string, std::set<std::size_t>> seen;

@@ -23,7 +23,9 @@ fs::path datasets() {
 
 MatchCase caseNamed(const std::string& name) {
   std::vector<MatchCase> cases = readMatchCases(IBR_MATCHER_CASES, datasets());
-  return *std::ranges::find(cases, name, &MatchCase::name);
+  const auto found = std::ranges::find(cases, name, &MatchCase::name);
+  REQUIRE(found != cases.end());
+  return *found;
 }
 
 }  // namespace
