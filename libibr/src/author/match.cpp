@@ -12,7 +12,6 @@
 #include "author/mean_frame.h"
 #include "author/plane_sweep.h"
 #include "author/sgm.h"
-#include "author/textureless.h"
 #include "author/visibility.h"
 #include "base/check.h"
 
@@ -74,9 +73,7 @@ class Matcher {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
     const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
 
-    const CostVolume volume = planeSweep(frame, halves, levels);
-    ImageF level = semiGlobalLevels(volume);
-    settleTextureless(level, volume);
+    ImageF level = semiGlobalLevels(planeSweep(frame, halves, levels));
     cleanDepth(level, kSpeckleStep, kSpeckle);
     for (float& l : level.values) l = float(levels.at(double(l)));
     match_.inverseDepthStep = float(levels.step);

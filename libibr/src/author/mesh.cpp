@@ -27,7 +27,7 @@ struct Vertices : MatchedVertices {
 
   Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match,
            const SilhouetteFinder& finder)
-      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder), cuts_(match.depthKnown) {
+      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder) {
     for (glm::vec2& at : frame) at = snapped(glm::dvec2(at));
     for (std::size_t v = 0; v < frame.size(); ++v)
       surface.push_back(finder.surface(glm::dvec2(frame[v]), inverseDepth[v]));
@@ -42,7 +42,7 @@ struct Vertices : MatchedVertices {
   std::vector<glm::uvec3> triangulate() const {
     return delaunayTriangles(std::vector<glm::dvec2>(frame.begin(), frame.end()));
   }
-  bool turned(const glm::uvec3& t) const {
+  bool folded(const glm::uvec3& t) const {
     constexpr auto kLeast = std::int64_t(1e-3 * kGridPerPixel * kGridPerPixel);  // 1e-3 px²
     return twiceArea(frame, t) <= kLeast ||
            std::ranges::any_of(stored, [&](const auto& positions) { return twiceArea(positions, t) <= kLeast; });
@@ -51,8 +51,6 @@ struct Vertices : MatchedVertices {
     return finder_.apart(surface[t.x], surface[t.y]) || finder_.apart(surface[t.y], surface[t.z]) ||
            finder_.apart(surface[t.z], surface[t.x]);
   }
-  // Between two surfaces triangles turn over by right: they are cut, not repaired.
-  bool folded(const glm::uvec3& t) const { return turned(t) && !(cuts_ && apart(t)); }
   void keepOnly(const std::vector<bool>& keep) {
     ibr::keepOnly(frame, keep);
     ibr::keepOnly(surface, keep);
@@ -80,7 +78,6 @@ struct Vertices : MatchedVertices {
 
  private:
   const SilhouetteFinder& finder_;
-  bool cuts_;  // at depth edges: not where depth is only what matches say
   std::vector<glm::dvec2> scale_;
 };
 
@@ -99,23 +96,23 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, const Silh
   const Layers layers = cutAtSilhouettes(finder, vertices.frame, vertices.inverseDepth, triangles, wanted);
   for (const LayerVertex& vertex : layers.vertices) vertices.add(vertex, finder.maps());
 
-  const auto turned = [&](const glm::uvec3& t) { return vertices.turned(t); };
+  const auto folded = [&](const glm::uvec3& t) { return vertices.folded(t); };
   std::vector<glm::uvec3> pieces;
   std::vector<bool> replaced(triangles.size(), false);
   std::size_t surfaces = 0;
   for (const LayerSplit& split : layers.splits) {
-    if (std::ranges::any_of(split.surface, turned)) continue;
+    if (std::ranges::any_of(split.surface, folded)) continue;
     replaced[split.triangle] = true;
     pieces.insert(pieces.end(), split.surface.begin(), split.surface.end());
   }
   surfaces = pieces.size();
   for (const LayerSplit& split : layers.splits)
     if (replaced[split.triangle])
-      std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(turned));
+      std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
 
   // What turns over between two surfaces shows neither.
   const auto shows = [&](const Face& face) {
-    return face.tier == kTierAgrees || !turned(face.corner) || !vertices.apart(face.corner);
+    return face.tier == kTierAgrees || !folded(face.corner) || !vertices.apart(face.corner);
   };
   std::vector<Face> kept;
   for (std::size_t t = 0; t < faces.size(); ++t)
@@ -155,7 +152,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, triangles);
   std::vector<Face> faces;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const bool agrees = labels[t].agrees() && !vertices.turned(triangles[t]) &&
+    const bool agrees = labels[t].agrees() && !vertices.folded(triangles[t]) &&
                         (filter == TriangleFilter::consistency || homogeneous(vertices.planes, triangles[t]));
     faces.push_back({triangles[t], agrees ? kTierAgrees : kTierRejected, labels[t].ecc, true});
   }
