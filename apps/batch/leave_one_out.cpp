@@ -61,15 +61,16 @@ void addFolder(Hash& hash, const fs::path& folder) {
 }
 
 // Of all that scores depend on but for the view: program, files, options.
-std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build, const Context& context) {
+std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build, const PosedPhotographs& photographs,
+                    const Context& context) {
   Hash hash;
   addFile(hash, fs::read_symlink("/proc/self/exe"));
-  addFolder(hash, options.photographs);
+  for (const PosedImage& image : photographs.images()) addFile(hash, fs::path(options.photographs) / image.name);
   if (!build.model.empty()) addFolder(hash, build.model);
   for (const std::string& word : options.words) {
     std::error_code ignored;
     hash.add(word);
-    if (fs::exists(word, ignored)) addFolder(hash, word);
+    if (fs::is_regular_file(word, ignored)) addFile(hash, word);  // folders: of results, or those above
   }
   hash.add(context.options().seed);
   hash.add(context.options().device);
@@ -163,12 +164,14 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   check(!poses.empty(), ErrorCode::invalidInput,
         "{}: leaving photographs out needs poses of all of them: give a COLMAP model with --model, or --transforms",
         options.photographs);
-  const std::uint64_t key = keyOf(options, build, context);
+  const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // the key is not known yet
+  build.output = options.work.empty() ? anywhere : fs::path(options.work);
+  const PosedPhotographs photographs(build, context.log());
+  const std::uint64_t key = keyOf(options, build, photographs, context);
   // The same command finds it again.
   const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
                                              : fs::path(options.work);
   build.output = work;
-  const PosedPhotographs photographs(build, context.log());
   const std::vector<std::size_t> chosen = chosenViews(photographs, options);
   std::vector<View> views;
   for (const std::size_t i : chosen) views.push_back({photographs.images()[i].name, photographs.images()[i].camera});

@@ -11,7 +11,7 @@
 
 namespace ibr {
 
-/// Memory that making one takes at most.
+/// Memory that making one takes at most, besides loading its photograph.
 inline constexpr double kBytesOfBackdrop = 200e6;
 
 class BackdropMaker {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "author/backdrop.h"
+#include "author/bilinear.h"
 #include "author/complete_depth.h"
 #include "author/lumigraph.h"
 #include "author/posed_model.h"

@@ -25,9 +25,9 @@ bool whole(const Photograph& photo, const std::vector<glm::vec2>& match, glm::uv
 
 }  // namespace
 
-double dropBorder(MorphMesh& mesh, std::span<const Photograph* const> members) {
-  if (std::ranges::none_of(members, [](const Photograph* photo) { return photo->lens.has_value(); })) return 1;
-  double before = 0, left = 0;
+BorderCut dropBorder(MorphMesh& mesh, std::span<const Photograph* const> members) {
+  if (std::ranges::none_of(members, [](const Photograph* photo) { return photo->lens.has_value(); })) return {};
+  double before = 0, left = 0, weighted = 0;
   std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 triangle = mesh.triangles[t];
@@ -38,6 +38,7 @@ double dropBorder(MorphMesh& mesh, std::span<const Photograph* const> members) {
       inside = !members[i]->lens || whole(*members[i], mesh.match[i], triangle);
     if (!inside) continue;
     left += area;
+    weighted += area * double(mesh.ecc[t]);
     mesh.triangles[kept] = triangle;
     mesh.tier[kept] = mesh.tier[t];
     mesh.ecc[kept] = mesh.ecc[t];
@@ -46,7 +47,10 @@ double dropBorder(MorphMesh& mesh, std::span<const Photograph* const> members) {
   mesh.triangles.resize(kept);
   mesh.tier.resize(kept);
   mesh.ecc.resize(kept);
-  return before > 0 ? left / before : 1;
+  BorderCut cut;
+  if (before > 0) cut.left = left / before;
+  if (left > 0) cut.ecc = weighted / left;
+  return cut;
 }
 
 }  // namespace ibr

@@ -113,18 +113,21 @@ class Builder {
   }
 
   // The share of tier 0 that is left.
-  double cutBorder(Cell& cell) const {
-    if (!options_.keepBorder) return 1;
+  void cutBorder(Cell& cell) const {
+    if (!options_.keepBorder) return;
     std::vector<const Photograph*> members;
     for (const std::uint32_t i : cell.members) members.push_back(&input_.photographs[i]);
-    return dropBorder(cell.mesh, members);
+    const BorderCut cut = dropBorder(cell.mesh, members);
+    if (cut.left == 1) return;
+    cell.quality.coverage *= cut.left;
+    cell.quality.ecc = cut.ecc;
   }
 
   // Whether it is good enough for the scene.
   bool take(const CellMembers& members, MadeCell made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
     CellQuality& quality = cell.quality;
-    quality.coverage *= cutBorder(cell);
+    cutBorder(cell);
     if (!(quality.coverage >= kLeastCoverage)) {
       const std::string names = fmt::format("{}", fmt::join(namesOf(members), ", "));
       const std::string reason = fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
@@ -162,7 +165,9 @@ class Builder {
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_, keys_);
     std::vector<MadeCell> made(pinholes.size());
-    jobs_.runAll("completing backdrops", made.size(), kBytesOfBackdrop,
+    double loading = 0;
+    for (const std::uint32_t i : pinholes) loading = std::max(loading, bytesToLoad(input_.photographs[i]));
+    jobs_.runAll("completing backdrops", made.size(), kBytesOfBackdrop + loading,
                  [&](std::size_t b) { made[b] = maker.make(pinholes[b]); });
     for (std::size_t b = 0; b < made.size(); ++b) {
       Cell backdrop{{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality};

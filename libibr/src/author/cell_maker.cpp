@@ -19,7 +19,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 8;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 9;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
 constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
@@ -97,15 +97,6 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   return hash.value();
 }
 
-Image8 greyOf(const Image8& picture) {
-  Image8 grey(picture.width, picture.height, 1);
-  for (std::size_t p = 0; p < grey.values.size(); ++p) {
-    const std::uint8_t* const rgb = &picture.values[3 * p];
-    grey.values[p] = std::uint8_t((77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2] + 128) >> 8);
-  }
-  return grey;
-}
-
 // At the size that is matched; where that is smaller than the photograph, `full` gets the whole of it in grey.
 MatchView viewAndWhole(const Photograph& photograph, Image8& full) {
   MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
@@ -181,10 +172,12 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
 }
 
 double CellMaker::bytes() const {
-  double pixels = 0;
-  for (const Photograph& photograph : input_.photographs)
+  double pixels = 0, loading = 0;
+  for (const Photograph& photograph : input_.photographs) {
     pixels = std::max(pixels, double(photograph.camera.intrinsics.width) * photograph.camera.intrinsics.height);
-  return kBytesPerPixel * std::min(pixels, kMatchPixels) + kBytesInFull * std::max(pixels - kMatchPixels, 0.0);
+    loading = std::max(loading, bytesToLoad(photograph));
+  }
+  return loading + kBytesPerPixel * std::min(pixels, kMatchPixels) + kBytesInFull * std::max(pixels - kMatchPixels, 0.0);
 }
 
 }  // namespace ibr

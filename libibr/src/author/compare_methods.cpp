@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "author/bilinear.h"
 #include "author/build_jobs.h"
 #include "author/matcher_choice.h"
 #include "author/mesh.h"
@@ -167,20 +168,6 @@ std::vector<double> pairErrors(const PairTruth& truth, const MorphMesh& mesh) {
   return errors;
 }
 
-glm::vec3 sampled(const Image8& picture, glm::dvec2 at) {
-  const double x = std::clamp(at.x - 0.5, 0.0, double(picture.width - 1));
-  const double y = std::clamp(at.y - 0.5, 0.0, double(picture.height - 1));
-  const int ix = std::min(int(x), std::max(picture.width - 2, 0));
-  const int iy = std::min(int(y), std::max(picture.height - 2, 0));
-  const int jx = std::min(ix + 1, picture.width - 1), jy = std::min(iy + 1, picture.height - 1);
-  const auto texel = [&](int u, int v) {
-    const auto p = picture.pixel(u, v);
-    return glm::vec3(p[0], p[1], p[2]);
-  };
-  const float fx = float(x - ix), fy = float(y - iy);
-  return glm::mix(glm::mix(texel(ix, iy), texel(jx, iy), fx), glm::mix(texel(ix, jy), texel(jx, jy), fx), fy);
-}
-
 // The members as tier 0 shows them in the first one's picture, where it does.
 struct Warped {
   std::vector<std::vector<glm::vec3>> colour;  // of each member, of the pixels below in turn
@@ -201,7 +188,7 @@ Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
       result.pixel.emplace_back(x, y);
       for (std::size_t i = 0; i < d; ++i) {
         const std::vector<glm::vec2>& m = mesh.match[i];
-        result.colour[i].push_back(sampled(subject.views[i].picture, w.x * glm::dvec2(m[v.x]) +
+        result.colour[i].emplace_back(bilinear(subject.views[i].picture, w.x * glm::dvec2(m[v.x]) +
                                                                          w.y * glm::dvec2(m[v.y]) +
                                                                          w.z * glm::dvec2(m[v.z])));
       }

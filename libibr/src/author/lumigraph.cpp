@@ -7,6 +7,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "author/bilinear.h"
 #include "author/complete_depth.h"
 #include "author/parallel.h"
 #include "author/posed_model.h"

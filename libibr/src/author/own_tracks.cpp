@@ -34,6 +34,8 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   own.keep = keptFolder(options);
   own.view = [&](std::size_t i) { return viewOf(input.photographs[i]); };
   for (std::uint32_t i = 0; i < input.photographs.size(); ++i) {
+    own.cameras.push_back(matchedCamera(input.photographs[i].camera));
+    own.bytesOfView = std::max(own.bytesOfView, bytesToLoad(input.photographs[i]));
     Hash hash;
     addPhotograph(hash, input, i);
     own.hashes.push_back(hash.value());

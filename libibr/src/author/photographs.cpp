@@ -93,6 +93,20 @@ Image8 shrunk(const Image8& picture, int width, int height) {
   return small;
 }
 
+Image8 greyOf(const Image8& picture) {
+  Image8 grey(picture.width, picture.height, 1);
+  const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
+  cv::Mat to(grey.height, grey.width, CV_8UC1, grey.values.data());
+  cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
+  return grey;
+}
+
+double bytesToLoad(const Photograph& photo) {
+  const double whole = photo.lens ? double(photo.whole.width) * photo.whole.height : 0;
+  const double stored = double(photo.camera.intrinsics.width) * photo.camera.intrinsics.height;
+  return 3 * (photo.sourcePixels + whole + stored);
+}
+
 double bytesToStore(const Photograph& photo) {
   const double whole = double(photo.whole.width) * photo.whole.height;  // undistorted, it may be larger than the source
   return kBytesPerPixel * std::max(photo.sourcePixels, whole) + (photo.lens ? 3 * photo.sourcePixels : 0);

@@ -39,6 +39,12 @@ Image8 loadPhotograph(const Photograph& photograph);
 /// RGB, averaged over areas.
 Image8 shrunk(const Image8& picture, int width, int height);
 
+/// Luma of RGB, one channel.
+Image8 greyOf(const Image8& picture);
+
+/// The memory that loadPhotograph takes at most, bytes.
+double bytesToLoad(const Photograph& photograph);
+
 /// The memory that storePhotograph takes, about.
 double bytesToStore(const Photograph& photograph);
 

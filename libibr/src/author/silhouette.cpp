@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "author/bilinear.h"
 namespace ibr {
 namespace {
 
@@ -21,19 +22,6 @@ constexpr double kReach = 5.0;      // px from the depth's jump to the colours'
 constexpr double kAcross = 1.0;     // px to either side that colours are compared at
 constexpr double kFaint = 12.0;     // grey levels a channel, mean over members: less is no border
 constexpr double kLeastPart = 0.05;
-
-glm::dvec3 sampled(const Image8& picture, glm::dvec2 at) {
-  const double x = std::clamp(at.x - 0.5, 0.0, double(picture.width - 1));
-  const double y = std::clamp(at.y - 0.5, 0.0, double(picture.height - 1));
-  const int ix = std::min(int(x), std::max(picture.width - 2, 0)), jx = std::min(ix + 1, picture.width - 1);
-  const int iy = std::min(int(y), std::max(picture.height - 2, 0)), jy = std::min(iy + 1, picture.height - 1);
-  const auto texel = [&](int u, int v) {
-    const auto p = picture.pixel(u, v);
-    return glm::dvec3(p[0], p[1], p[2]);
-  };
-  return glm::mix(glm::mix(texel(ix, iy), texel(jx, iy), x - ix), glm::mix(texel(ix, jy), texel(jx, jy), x - ix),
-                  y - iy);
-}
 
 }  // namespace
 
@@ -97,7 +85,7 @@ double SilhouetteFinder::contrast(glm::dvec2 inside, glm::dvec2 outside, double 
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     const auto a = maps_[i](inside, inverseDepth), b = maps_[i](outside, inverseDepth);
     if (!a || !b) continue;
-    const glm::dvec3 difference = glm::abs(sampled(views_[i].picture, *a) - sampled(views_[i].picture, *b));
+    const glm::dvec3 difference = glm::abs(bilinear(views_[i].picture, *a) - bilinear(views_[i].picture, *b));
     sum += (difference.x + difference.y + difference.z) / 3;
   }
   return sum / double(maps_.size());

@@ -13,9 +13,9 @@
 #include <set>
 #include <unordered_map>
 
-#include "author/cv_view.h"
 #include "author/feature_cache.h"
 #include "author/hash.h"
+#include "author/photographs.h"
 #include "base/check.h"
 #include "base/file.h"
 
@@ -114,13 +114,6 @@ class Sets {
   std::vector<std::size_t> parent_;
   std::vector<std::vector<Feature>> members_;
 };
-
-Image8 greyOf(const Image8& picture) {
-  Image8 grey(picture.width, picture.height, 1);
-  cv::Mat target = cvView(grey);
-  cv::cvtColor(cvView(picture), target, cv::COLOR_RGB2GRAY);
-  return grey;
-}
 
 fs::path fileOf(const fs::path& folder, std::uint64_t key, const char* kind) {
   return folder / fmt::format("{:016x}.{}", key, kind);
@@ -267,13 +260,16 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   }
   std::vector<glm::dvec2> scale(model.images.size());  // from px of the features to px of the model
   std::vector<Camera> cameras(model.images.size());    // at the features' size
-  run("finding features", images.size(), std::min(pixels, kFeaturePixels) * kFeatureBytesPerPixel, [&](std::size_t n) {
-    const std::uint32_t i = images[n];
-    const MatchView view = input.view(i);
-    const Intrinsics &small = view.camera.intrinsics, &whole = model.images[i].camera.intrinsics;
-    cameras[i] = view.camera;
+  for (const std::uint32_t i : images) {
+    cameras[i] = input.cameras[i];
+    const Intrinsics &small = cameras[i].intrinsics, &whole = model.images[i].camera.intrinsics;
     scale[i] = {double(whole.width) / small.width, double(whole.height) / small.height};
-    if (!fetchFeatures(featuresFile(i))) storeFeatures(featuresFile(i), detectFeatures(greyOf(view.picture), kFeatures));
+  }
+  const double bytes = input.bytesOfView + std::min(pixels, kFeaturePixels) * kFeatureBytesPerPixel;
+  run("finding features", images.size(), bytes, [&](std::size_t n) {
+    const std::uint32_t i = images[n];
+    if (!fetchFeatures(featuresFile(i)))
+      storeFeatures(featuresFile(i), detectFeatures(greyOf(input.view(i).picture), kFeatures));
   });
 
   std::vector<std::vector<FeatureMatch>> matches(pairs.size());

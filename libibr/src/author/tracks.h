@@ -43,6 +43,8 @@ inline constexpr double kFeaturePixels = 2e6;  // features are looked for in no 
 
 struct OwnTracksInput {
   std::function<MatchView(std::size_t)> view;  // a photograph at the size that features are looked for at; thread-safe
+  std::vector<Camera> cameras;                 // of the views
+  double bytesOfView = 0;                      // of memory that `view` takes at most
   std::vector<std::uint64_t> hashes;           // that tell photographs and their cameras apart
   std::filesystem::path keep;                  // folder that is there
 };

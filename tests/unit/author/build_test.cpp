@@ -15,6 +15,7 @@
 #include "image/ktx2.h"
 #include "io/image_file.h"
 #include "scene/synthetic.h"
+#include "support/error_of.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
 
@@ -113,17 +114,6 @@ Lens throughLens(Set& set) {
   return lens;
 }
 
-template <class F>
-Error errorOf(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e;
-  }
-  FAIL("nothing was thrown");
-  return Error(ErrorCode::io, "");
-}
-
 }  // namespace
 
 TEST_CASE("a photograph alone, with tracks of our own, is a scene of one backdrop") {
@@ -145,7 +135,7 @@ TEST_CASE("a scene does not overwrite the photographs it is made from") {
   fs::copy(set.folder / "photos", options.photographs, fs::copy_options::recursive);
   options.maxSize = 64;
   const auto before = readFile(options.photographs / set.model.images[0].name);
-  const Error error = errorOf([&] { build(options); });
+  const Error error = test::errorOf([&] { build(options); });
   CHECK(error.code() == ErrorCode::invalidInput);
   CHECK_THAT(error.what(), Contains("overwrite"));
   CHECK(readFile(options.photographs / set.model.images[0].name) == before);
@@ -219,7 +209,7 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   CHECK(filesBelow(two.output) == expected);
 
   const Error error =
-      errorOf([&] { build(stopped, [](const Progress& p) { return !(p.stage == "matching cells" && p.done >= 1); }); });
+      test::errorOf([&] { build(stopped, [](const Progress& p) { return !(p.stage == "matching cells" && p.done >= 1); }); });
   CHECK(error.code() == ErrorCode::cancelled);
   CHECK_FALSE(fs::exists(stopped.output / "scene.gltf"));
   CHECK(std::distance(fs::directory_iterator(stopped.output / ".build"), fs::directory_iterator()) >= 1);
@@ -229,7 +219,7 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
 
   // Cancelled before anything was done: nothing is left half-written, and nothing is wrong later.
   BuildOptions early = set.options("early");
-  CHECK(errorOf([&] { build(early, [](const Progress&) { return false; }); }).code() == ErrorCode::cancelled);
+  CHECK(test::errorOf([&] { build(early, [](const Progress&) { return false; }); }).code() == ErrorCode::cancelled);
   CHECK_FALSE(fs::exists(early.output));
 }
 
@@ -303,7 +293,7 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
     CHECK_FALSE(report.backdrops[i].resumed);
   }
   const auto stop = [](const Progress& p) { return !(p.stage == "completing backdrops" && p.done >= 2); };
-  CHECK(errorOf([&] { build(stopped, stop); }).code() == ErrorCode::cancelled);
+  CHECK(test::errorOf([&] { build(stopped, stop); }).code() == ErrorCode::cancelled);
   const BuildReport resumed = build(stopped);
   CHECK(std::ranges::count(resumed.backdrops, true, &BuildReport::BackdropLine::resumed) >= 2);
   CHECK(filesBelow(stopped.output) == filesBelow(whole.output));
@@ -313,7 +303,7 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
   // What was kept of a build without backdrops does not do for one with.
   fs::remove_all(none.output);
   const auto late = [](const Progress& p) { return p.stage != "writing the scene"; };
-  CHECK(errorOf([&] { build(none, late); }).code() == ErrorCode::cancelled);
+  CHECK(test::errorOf([&] { build(none, late); }).code() == ErrorCode::cancelled);
   none.backdrops = true;
   build(none);
   CHECK(filesBelow(none.output) == filesBelow(whole.output));
@@ -402,7 +392,7 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
   BuildOptions options = set.options();
   SECTION("a photograph is missing") {
     fs::remove(set.folder / "photos/001.png");
-    const Error error = errorOf([&] { build(options); });
+    const Error error = test::errorOf([&] { build(options); });
     CHECK(error.code() == ErrorCode::io);
     CHECK_THAT(error.what(), Contains("001.png") && Contains("missing"));
   }
@@ -414,45 +404,45 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
   }
   SECTION("a photograph has other proportions") {
     writeImage(set.folder / "photos/001.png", Image8(96, 96, 3, 9));
-    const Error error = errorOf([&] { build(options); });
+    const Error error = test::errorOf([&] { build(options); });
     CHECK(error.code() == ErrorCode::invalidInput);
     CHECK_THAT(error.what(), Contains("001.png") && Contains("96x96") && Contains("128x96"));
   }
   SECTION("a photograph is damaged") {
     writeFile(set.folder / "photos/001.png", "no picture");
-    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("001.png"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("001.png"));
   }
   SECTION("an image of the model leads out of the folder") {
     PosedModel model = set.model;
     model.images[0].name = "../model/cameras.txt";
     writeColmapModel(model, set.folder / "model");
-    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("outside"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("outside"));
   }
   SECTION("an unknown photograph is to be left out") {
     options.exclude = {"nobody.png"};
-    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nobody.png"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nobody.png"));
   }
   SECTION("no photograph is left") {
     options.exclude = {"000.png", "001.png", "002.png", "sub/003.png"};
-    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
   }
   SECTION("folders") {
     options.photographs = set.folder / "nowhere";
-    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nowhere"));
     options = set.options();
     options.model = set.folder / "nowhere";
-    CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere"));
+    CHECK_THAT(test::errorOf([&] { build(options); }).what(), Contains("nowhere"));
   }
   SECTION("options") {
     options.dimension = 5;
-    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
     options = set.options();
     options.maxSize = -1;
-    CHECK(errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] { build(options); }).code() == ErrorCode::invalidInput);
     for (const int spacing : {0, 1, 3, 64, -8}) {
       options = set.options();
       options.backdropSpacing = spacing;
-      const Error error = errorOf([&] { build(options); });
+      const Error error = test::errorOf([&] { build(options); });
       CHECK(error.code() == ErrorCode::invalidInput);
       CHECK_THAT(error.what(), Contains(std::to_string(spacing)));
     }
@@ -507,7 +497,7 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
     const auto failing = [](std::size_t i) {
       if (i >= 5) throw Error(ErrorCode::io, std::to_string(i));
     };
-    CHECK_THAT(errorOf([&] { runJobs(50, threads, failing, [](std::size_t) { return true; }); }).what(), Contains("5"));
+    CHECK_THAT(test::errorOf([&] { runJobs(50, threads, failing, [](std::size_t) { return true; }); }).what(), Contains("5"));
   }
   CHECK(runJobs(
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "ibr/author.h"
 #include "ibr/error.h"
+#include "support/error_of.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -36,17 +37,6 @@ struct TextModel {
     return readColmapModel(folder.path(), log, border);
   }
 };
-
-template <class F>
-Error errorOf(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e;
-  }
-  FAIL("nothing was thrown");
-  return Error(ErrorCode::io, "");
-}
 
 void checkSame(const PosedModel& a, const PosedModel& b) {
   REQUIRE(a.images.size() == b.images.size());
@@ -225,11 +215,11 @@ TEST_CASE("a malformed text model is refused with line and field") {
     INFO(spoilt.message);
     TextModel model;
     TextModel::replace(model.*spoilt.file, spoilt.what, spoilt.with);
-    const Error error = errorOf([&] { model.read(); });
+    const Error error = test::errorOf([&] { model.read(); });
     CHECK_THAT(error.what(), Contains(spoilt.message));
     CHECK(error.code() == spoilt.code);
   }
-  CHECK(errorOf([] { readColmapModel("/no/such/model"); }).code() == ErrorCode::io);
+  CHECK(test::errorOf([] { readColmapModel("/no/such/model"); }).code() == ErrorCode::io);
 }
 
 TEST_CASE("a malformed binary model is refused with byte and field") {
@@ -240,7 +230,7 @@ TEST_CASE("a malformed binary model is refused with byte and field") {
       if (std::string(name) == file) spoil(bytes);
       writeFile(folder / name, bytes);
     }
-    return errorOf([&] { readColmapModel(folder.path()); });
+    return test::errorOf([&] { readColmapModel(folder.path()); });
   };
   auto put = [](auto value, std::size_t at) {
     return [=](std::vector<std::byte>& bytes) { std::memcpy(bytes.data() + at, &value, sizeof(value)); };

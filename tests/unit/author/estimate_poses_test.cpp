@@ -12,6 +12,7 @@
 #include "ibr/author.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
+#include "support/error_of.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
 
@@ -64,17 +65,6 @@ class Place {
   test::TemporaryFolder folder;
 };
 
-template <class F>
-Error errorOf(F&& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e;
-  }
-  FAIL("nothing was thrown");
-  return Error(ErrorCode::io, "");
-}
-
 using Calls = std::vector<std::string>;
 const Calls kAll{"feature_extractor", "exhaustive_matcher", "mapper"};
 
@@ -84,7 +74,7 @@ TEST_CASE("a folder with something else in it is left alone, and pictures that a
   const Place place;
   fs::create_directories(place.options().folder);
   writeFile(place.options().folder / "mine.txt", "kept");
-  CHECK(errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::invalidInput);
+  CHECK(test::errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::invalidInput);
   CHECK(readTextFile(place.options().folder / "mine.txt") == "kept");
   PoseOptions options = place.options();
   options.folder = place.folder / "other";
@@ -143,7 +133,7 @@ TEST_CASE("many photographs are matched in their order") {
 TEST_CASE("a step that fails says so with its last lines, and is the first to be tried again") {
   const Place place;
   place.touch("FAIL-mapper");
-  const Error error = errorOf([&] { estimatePoses(place.options()); });
+  const Error error = test::errorOf([&] { estimatePoses(place.options()); });
   CHECK_THAT(error.what(), Contains("mapper failed with exit status 3") && Contains("no good initial pair") &&
                                Contains("poses/mapper.log"));
   fs::remove(place.folder / "FAIL-mapper");
@@ -154,7 +144,7 @@ TEST_CASE("a step that fails says so with its last lines, and is the first to be
 TEST_CASE("a cancelled step ends the program and all that it has started") {
   const Place place;
   place.touch("SLEEP-exhaustive_matcher");
-  const Error error = errorOf([&] {
+  const Error error = test::errorOf([&] {
     estimatePoses(place.options(), [&](const Progress&) { return !fs::exists(place.folder / "sleeper"); });
   });
   CHECK(error.code() == ErrorCode::cancelled);
@@ -174,26 +164,26 @@ TEST_CASE("without the program, without photographs, without poses") {
   Place place;
   PoseOptions options = place.options();
   options.program = "no-such-colmap";
-  const Error missing = errorOf([&] { estimatePoses(options); });
+  const Error missing = test::errorOf([&] { estimatePoses(options); });
   CHECK(missing.code() == ErrorCode::io);
   CHECK_THAT(missing.what(), Contains("no-such-colmap") && Contains("install") && Contains("--model"));
 
   options = place.options();
   options.photographs = place.folder / "nowhere";
-  CHECK_THAT(errorOf([&] { estimatePoses(options); }).what(), Contains("nowhere"));
+  CHECK_THAT(test::errorOf([&] { estimatePoses(options); }).what(), Contains("nowhere"));
   fs::create_directories(place.folder / "empty");
   options.photographs = place.folder / "empty";
-  CHECK_THAT(errorOf([&] { estimatePoses(options); }).what(), Contains("2 photographs or more"));
+  CHECK_THAT(test::errorOf([&] { estimatePoses(options); }).what(), Contains("2 photographs or more"));
 
   fs::remove_all(place.folder / "models");
   fs::create_directories(place.folder / "models");
-  const Error none = errorOf([&] { estimatePoses(place.options()); });
+  const Error none = test::errorOf([&] { estimatePoses(place.options()); });
   CHECK(none.code() == ErrorCode::invalidInput);
   CHECK_THAT(none.what(), Contains("found no poses"));
   // COLMAP calls that a failure, too.
   fs::remove_all(place.folder / "poses");
   place.touch("NONE-mapper");
-  CHECK_THAT(errorOf([&] { estimatePoses(place.options()); }).what(), Contains("found no poses"));
+  CHECK_THAT(test::errorOf([&] { estimatePoses(place.options()); }).what(), Contains("found no poses"));
 }
 
 TEST_CASE("programs are run with their words read line by line") {
@@ -219,5 +209,5 @@ TEST_CASE("programs are run with their words read line by line") {
            on);
   CHECK(count == 3001);
   CHECK(length == 3000 * 40 + 3);
-  CHECK(errorOf([&] { runChild({"/no/such/program"}, {}, keep, on); }).code() == ErrorCode::io);
+  CHECK(test::errorOf([&] { runChild({"/no/such/program"}, {}, keep, on); }).code() == ErrorCode::io);
 }
