@@ -22,7 +22,7 @@ namespace {
 constexpr int kFeatures = 12'000;
 constexpr double kRatio = 0.85;
 constexpr double kEpipolarPx = 2.0;
-constexpr int kRematches = 4;
+constexpr int kMostRounds = 4;             // of matching and sealing
 constexpr double kWorthRematching = 0.02;  // of the sealed tracks, that a round must add for another one
 constexpr double kCyclePx = 3.0;           // two ways to the same feature of a third member
 constexpr double kContradictedPx = 4.0;    // from where the nearest neighbour's plane puts a match
@@ -66,9 +66,14 @@ class HomographicMatcher {
     return cameras;
   }
 
-  // With poses features only compete with those that may be the same point.
+  // By epipolar lines, which two places have.
+  bool guided(std::size_t i, std::size_t j) const {
+    return options_.posed && glm::distance(cameras_[i].pose.position, cameras_[j].pose.position) > 0;
+  }
+
+  // Guided, features only compete with those that may be the same point.
   std::vector<FeatureMatch> matchPair(std::size_t i, std::size_t j, const std::vector<std::vector<bool>>& taken) const {
-    if (options_.posed && glm::distance(cameras_[i].pose.position, cameras_[j].pose.position) > 0)
+    if (guided(i, j))
       return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
     return mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]);
   }
@@ -110,8 +115,17 @@ class HomographicMatcher {
     return found;
   }
 
+  // Matching again finds more where features no longer compete with those that are sealed. Guided pairs do not heed
+  // these: all that they would find again is what no plane took.
+  int rounds() const {
+    for (std::size_t i = 0; i < d_; ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (!guided(j, i)) return kMostRounds;
+    return 1;
+  }
+
   void decompose() {
-    for (int round = 0; round < kRematches; ++round) {
+    for (int round = 0; round < rounds(); ++round) {
       const std::size_t sealed = tracks_.size();
       for (const PlaneTrack& track : matchUnsealed()) tracks_.push_back(track);
       // What was not sealed may still lie on a plane that was found before.

@@ -3,7 +3,7 @@
 // Latoschik, Dense Feature Matching Based on Homographic Decomposition, IEEE Access 2022), as far as it is known.
 //
 //   1. features everywhere (features.h)
-//   2. match, find the largest plane, seal its matches, and so on; match the rest again (homographies.h)
+//   2. match, find the largest plane, seal its matches, and so on (homographies.h); without poses match the rest again
 //   3. drop what the neighbours on the Delaunay mesh contradict (track_mesh.h)
 //   4. focused matching, local refinement, local extrapolation (propagate.h); sub-pixel by patches (plane_patch.h)
 //   5. labels: the set of planes that each match lies on (plane_labels.h)
