@@ -22,7 +22,7 @@ constexpr float kOffPx = 1.5f;
 constexpr double kSameColour = 16.0;  // mean over channels: where members differ by less, nobody sees what is off
 constexpr double kNoise = 25.0;       // grey² in variances and covariance
 
-constexpr std::size_t kMostMembers = 4, kMostPairs = 6;
+constexpr std::size_t kMostPairs = kMostMembers * (kMostMembers - 1) / 2;
 constexpr std::size_t kFewSamples = 6;  // fewer pixels than this inside: a lattice of samples instead
 
 // Per channel v ↦ gain·v + offset, to the mean of all members.

@@ -9,6 +9,7 @@
 //      matches; too large a flow shuts the gate
 #pragma once
 
+#include <cstddef>
 #include <glm/gtc/type_precision.hpp>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -19,6 +20,9 @@
 #include "ibr/image.h"
 
 namespace ibr {
+
+/// Members of a cell at most, hence views of a match: the corners of a tetrahedron.
+inline constexpr std::size_t kMostMembers = 4;
 
 /// A member's photograph at the size that is matched; the intrinsics are those of that size.
 struct MatchView {

@@ -14,11 +14,11 @@
 #include <span>
 #include <vector>
 
+#include "author/match.h"
 #include "author/mean_frame.h"
 
 namespace ibr {
 
-inline constexpr std::size_t kMostMembers = 4;
 inline constexpr std::uint32_t kNoFeature = 0xffffffffu;
 
 /// A place that all members see; px in each one's picture.

@@ -10,7 +10,6 @@ namespace ibr {
 namespace {
 
 constexpr double kNoParallax = 1e-9;  // of a unit of inverse depth, relative to the members' focal lengths
-constexpr std::size_t kMostMembers = 4;
 
 }  // namespace
 

@@ -16,7 +16,6 @@ constexpr double kFarthest = 2.0;  // px of members against each other that the 
 constexpr double kNoise = 4.0;     // grey levels; with kPrior it weighs the dense depth
 constexpr double kPrior = 0.5;     // px, likewise, one standard deviation
 constexpr int kRounds = 4;
-constexpr std::size_t kMostMembers = 4;
 
 }  // namespace
 
