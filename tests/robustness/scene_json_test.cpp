@@ -60,6 +60,11 @@ TEST_CASE("numbers are numbers, finite and in range") {
       example().restore();
     }
   }
+  const std::string quality = kExtension + "/cells/1/quality/";
+  for (const std::string share : {"coverage", "score"})
+    for (const std::string value : {"-0.01", "1.01", "-1e300"}) refuse(quality + share, value);
+  for (const std::string value : {"-1.01", "1.01"}) refuse(quality + "ecc", value);
+  refuse(quality + "residualPx", "-0.01");
   for (const std::string focal : {"fx", "fy"})
     for (const std::string value : {"0", "-0.0", "-500"}) refuse(kExtension + "/photographs/0/camera/" + focal, value);
 }

@@ -46,6 +46,11 @@ BREAKS = [
     lambda e: e["cells"][0].update(tiers=[2]),
     lambda e: e["backdrops"][0].update(members=[0, 1]),
 ]
+# Quality of a cell: each figure just outside its range, and of another kind.
+BAD_QUALITY = {"coverage": (-0.01, 1.01), "ecc": (-1.01, 1.01), "residualPx": (-0.01,), "score": (-0.01, 1.01)}
+for figure, values in BAD_QUALITY.items():
+    for value in (*values, "0.5", None):
+        BREAKS.append(lambda e, f=figure, v=value: e["cells"][1]["quality"].update({f: v}))
 for number, change in enumerate(BREAKS):
     wrong = copy.deepcopy(extension)
     change(wrong)

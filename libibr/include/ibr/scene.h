@@ -61,9 +61,9 @@ struct MorphMesh {
 /// How good a cell is, measured when it was built. NaN: not measured. A backdrop's coverage is the share of its
 /// photograph whose depth was matched.
 struct CellQuality {
-  double coverage;    // share of the members' mean picture under tier-0 triangles
-  double ecc;         // area-weighted mean of MorphMesh::ecc over tier 0
-  double residualPx;  // median distance between a match and the projection of its triangulated point
+  double coverage;    // 0 to 1: share of the members' mean picture under tier-0 triangles
+  double ecc;         // -1 to 1: area-weighted mean of MorphMesh::ecc over tier 0
+  double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point
   double score;       // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/choose_cells.h)
   CellQuality();
 };

@@ -194,7 +194,7 @@ class Maker {
         covered += size;
         weighted += size * double(label[t].ecc);
       }
-    result.quality.coverage = covered / (4 * std::numbers::pi);
+    result.quality.coverage = std::min(covered / (4 * std::numbers::pi), 1.0);  // of the whole sphere, sums are rounded
     if (covered > 0) result.quality.ecc = weighted / covered;
 
     mesh.match.resize(views_.size());

@@ -122,6 +122,16 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
         faults.add(fmt::format("{}.ecc[{}]", at, t), "{} is not within -1 to 1", mesh.ecc[t]);
 }
 
+void checkQuality(const CellQuality& quality, const std::string& at, Faults& faults) {
+  const auto within = [&](double value, double low, double high, const char* field) {
+    if (value < low || value > high) faults.add(at + field, "{} is not within {} to {}", value, low, high);
+  };
+  within(quality.coverage, 0, 1, ".coverage");
+  within(quality.ecc, -1, 1, ".ecc");
+  within(quality.residualPx, 0, std::numeric_limits<double>::infinity(), ".residualPx");
+  within(quality.score, 0, 1, ".score");
+}
+
 void checkCell(const Cell& cell, std::size_t nodes, std::size_t least, std::size_t most, const std::string& at,
                Faults& faults) {
   const std::size_t d = cell.members.size();
@@ -134,6 +144,7 @@ void checkCell(const Cell& cell, std::size_t nodes, std::size_t least, std::size
         faults.add(fmt::format("{}.members[{}]", at, i), "node {} is a member twice", cell.members[i]);
   }
   checkMesh(cell.mesh, d, at + ".mesh", faults);
+  checkQuality(cell.quality, at + ".quality", faults);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -24,6 +25,12 @@ using Accessor = GltfDocument::Accessor;
 double positive(const JsonValue& value) {
   const double number = value.number();
   if (!(number > 0)) value.fault(fmt::format("{} is not positive", number));
+  return number;
+}
+
+double within(const JsonValue& value, double low, double high) {
+  const double number = value.number();
+  if (!(number >= low && number <= high)) value.fault(fmt::format("{} is not within {} to {}", number, low, high));
   return number;
 }
 
@@ -104,10 +111,11 @@ class Reader {
     if (entry.has("mesh")) mesh(entry, scene, cell);
     if (entry.has("quality")) {
       const JsonValue quality = entry["quality"];
-      if (quality.has("coverage")) cell.quality.coverage = quality["coverage"].number();
-      if (quality.has("ecc")) cell.quality.ecc = quality["ecc"].number();
-      if (quality.has("residualPx")) cell.quality.residualPx = quality["residualPx"].number();
-      if (quality.has("score")) cell.quality.score = quality["score"].number();
+      constexpr double kAny = std::numeric_limits<double>::infinity();
+      if (quality.has("coverage")) cell.quality.coverage = within(quality["coverage"], 0, 1);
+      if (quality.has("ecc")) cell.quality.ecc = within(quality["ecc"], -1, 1);
+      if (quality.has("residualPx")) cell.quality.residualPx = within(quality["residualPx"], 0, kAny);
+      if (quality.has("score")) cell.quality.score = within(quality["score"], 0, 1);
     }
     return cell;
   }

@@ -95,6 +95,13 @@ TEST_CASE("each fault of a scene is named") {
       {"cells[0].mesh.ecc", [](Scene& s) { s.cells[0].mesh.ecc.push_back(0); }},
       {"cells[0].mesh.ecc[1]", [](Scene& s) { s.cells[0].mesh.ecc[1] = 1.01f; }},
       {"cells[0].mesh.ecc[1]", [](Scene& s) { s.cells[0].mesh.ecc[1] = kNan; }},
+      {"cells[0].quality.coverage", [](Scene& s) { s.cells[0].quality.coverage = -0.01; }},
+      {"cells[0].quality.coverage", [](Scene& s) { s.cells[0].quality.coverage = 1.01; }},
+      {"cells[0].quality.ecc", [](Scene& s) { s.cells[0].quality.ecc = -1.01; }},
+      {"cells[1].quality.ecc", [](Scene& s) { s.cells[1].quality.ecc = kInfinity; }},
+      {"cells[0].quality.residualPx", [](Scene& s) { s.cells[0].quality.residualPx = -1; }},
+      {"cells[0].quality.score", [](Scene& s) { s.cells[0].quality.score = 1.01; }},
+      {"backdrops[0].quality.coverage", [](Scene& s) { s.backdrops[0].quality.coverage = 2; }},
       {"backdrops[0].members",
        [](Scene& s) {
          s.backdrops[0].members = {0, 1};
