@@ -78,7 +78,9 @@ const Command kEvalCommand{
         "ibr eval --leave-one-out photographs --model colmap/sparse/0 --every 3 -o compared",
     .details =
         "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene without "
-        "each photograph and renders its view; cells that do not have it are matched once; options of ibr build apply. "
+        "each photograph and renders its view; options of ibr build apply. Cells that do not have the photograph are matched "
+        "once for all views where points are the model's; tracks of our own (--tracks own, and auto where the model has "
+        "few) change with what is left out, so that cells are matched anew. "
         "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. "
         "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until the "
         "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
