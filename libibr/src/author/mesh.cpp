@@ -23,14 +23,10 @@ constexpr double kNoisePx = 0.25;     // of a match
 
 struct Vertices : MatchedVertices {
   std::vector<std::vector<glm::vec2>> stored;  // of each member, px of its stored photograph, on the grid
-  std::vector<SurfaceSample> surface;          // in the frame
 
-  Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match,
-           const SilhouetteFinder& finder)
-      : MatchedVertices(matchedVertices(views, match)), stored(matched), finder_(finder) {
+  Vertices(std::span<const Camera> cameras, std::span<const MatchView> views, const DenseMatch& match)
+      : MatchedVertices(matchedVertices(views, match)), stored(matched) {
     for (glm::vec2& at : frame) at = snapped(glm::dvec2(at));
-    for (std::size_t v = 0; v < frame.size(); ++v)
-      surface.push_back(finder.surface(glm::dvec2(frame[v]), inverseDepth[v]));
     for (std::size_t i = 0; i < views.size(); ++i) {
       scale_.emplace_back(double(cameras[i].intrinsics.width) / double(views[i].picture.width),
                           double(cameras[i].intrinsics.height) / double(views[i].picture.height));
@@ -47,13 +43,8 @@ struct Vertices : MatchedVertices {
     return twiceArea(frame, t) <= kLeast ||
            std::ranges::any_of(stored, [&](const auto& positions) { return twiceArea(positions, t) <= kLeast; });
   }
-  bool apart(const glm::uvec3& t) const {
-    return finder_.apart(surface[t.x], surface[t.y]) || finder_.apart(surface[t.y], surface[t.z]) ||
-           finder_.apart(surface[t.z], surface[t.x]);
-  }
   void keepOnly(const std::vector<bool>& keep) {
     ibr::keepOnly(frame, keep);
-    ibr::keepOnly(surface, keep);
     ibr::keepOnly(inverseDepth, keep);
     if (!planes.empty()) ibr::keepOnly(planes, keep);
     for (auto& list : matched) ibr::keepOnly(list, keep);
@@ -72,12 +63,10 @@ struct Vertices : MatchedVertices {
     }
     frame.emplace_back(vertex.place.pixel);
     inverseDepth.push_back(vertex.place.inverseDepth);
-    surface.push_back(vertex.place);
     if (!planes.empty()) planes.push_back(planes[vertex.like]);
   }
 
  private:
-  const SilhouetteFinder& finder_;
   std::vector<glm::dvec2> scale_;
 };
 
@@ -89,8 +78,9 @@ struct Face {
 };
 
 // Replaces what spans depth edges by layers. Pieces must lie as the triangle does in every member, or it stays.
-void layer(std::span<const MatchView> views, const DenseMatch& match, const SilhouetteFinder& finder,
-           Vertices& vertices, const std::vector<glm::uvec3>& triangles, std::vector<Face>& faces) {
+void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& vertices,
+           const std::vector<glm::uvec3>& triangles, std::vector<Face>& faces) {
+  const SilhouetteFinder finder(views, match);
   std::vector<bool> wanted;
   for (const Face& face : faces) wanted.push_back(face.tier == kTierRejected);
   const Layers layers = cutAtSilhouettes(finder, vertices.frame, vertices.inverseDepth, triangles, wanted);
@@ -111,12 +101,16 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, const Silh
       std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
 
   // What turns over between two surfaces shows neither.
-  const auto shows = [&](const Face& face) {
-    return face.tier == kTierAgrees || !folded(face.corner) || !vertices.apart(face.corner);
+  const auto betweenSurfaces = [&](const glm::uvec3& t) {
+    const auto surface = [&](unsigned v) {
+      return finder.surface(glm::dvec2(vertices.frame[v]), vertices.inverseDepth[v]);
+    };
+    const SurfaceSample a = surface(t.x), b = surface(t.y), c = surface(t.z);
+    return finder.apart(a, b) || finder.apart(b, c) || finder.apart(c, a);
   };
   std::vector<Face> kept;
   for (std::size_t t = 0; t < faces.size(); ++t)
-    if (!replaced[t] && shows(faces[t])) kept.push_back(faces[t]);
+    if (!replaced[t] && !(folded(triangles[t]) && betweenSurfaces(triangles[t]))) kept.push_back(faces[t]);
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, pieces);
   for (std::size_t p = 0; p < pieces.size(); ++p) {
     const bool inFrame = p < surfaces;
@@ -146,8 +140,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
   const std::size_t d = views.size();
   CellMesh result;
   MorphMesh& mesh = result.mesh;
-  const SilhouetteFinder finder(views, match);
-  Vertices vertices(stored, views, match, finder);
+  Vertices vertices(stored, views, match);
   const std::vector<glm::uvec3> triangles = triangulateAndRepair(vertices);
   const std::vector<TriangleLabel> labels = labelTriangles(views, match, vertices.frame, vertices.matched, triangles);
   std::vector<Face> faces;
@@ -157,7 +150,7 @@ CellMesh buildMesh(std::span<const Camera> stored, std::span<const MatchView> vi
     faces.push_back({triangles[t], agrees ? kTierAgrees : kTierRejected, labels[t].ecc, true});
   }
   const std::size_t before = vertices.count();
-  if (match.depthKnown) layer(views, match, finder, vertices, triangles, faces);
+  if (match.depthKnown) layer(views, match, vertices, triangles, faces);
   dropUnused(vertices, before, faces);
 
   double covered = 0, weighted = 0;
