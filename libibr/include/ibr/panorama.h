@@ -65,7 +65,7 @@ struct SplitOptions {
   double fovDegrees = 105;          // of a face, both ways; above 90 the faces of a cube overlap
   int size = 0;                     // px, both ways; 0: faceSize()
   PictureFormat format = PictureFormat::asSource;
-  int threads = 0;  // 0 = all cores; the pictures do not depend on it
+  int threads = 0;  // at most, 0 = all cores; the pictures do not depend on it
 };
 
 struct SplitReport {
@@ -78,7 +78,8 @@ struct SplitReport {
 
 /// Writes the faces of panoramas, images/NAME_FACE.jpg or .png, and their cameras as a COLMAP text model in sparse/,
 /// which is written last. NAME is the panorama's without extension and without the folders that all panoramas share.
-/// Tracks of the model are carried over to the faces that see them. Holds one panorama and a face a thread at a time.
+/// Tracks of the model are carried over to the faces that see them. Holds one panorama and a face a thread at a
+/// time, on no more threads than half of the machine's memory holds faces.
 /// Throws Error; pictures that stand are whole.
 SplitReport splitPanoramas(const SplitOptions& options, const ProgressCallback& progress = {},
                            const LogCallback& log = {});

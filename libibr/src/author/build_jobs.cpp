@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/build_jobs.h"
 
-#include <unistd.h>
-
-#include <algorithm>
 #include <opencv2/core/utility.hpp>
-#include <thread>
 
 #include "author/parallel.h"
 #include "base/check.h"
 
 namespace ibr {
-namespace {
-
-constexpr double kMemoryShare = 0.5;  // of the machine's, that all jobs together may take
-
-int threadsFor(int threads, double bytesEach) {
-  const int asked = threads > 0 ? threads : std::max(1, int(std::thread::hardware_concurrency()));
-  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-  return int(std::clamp(kMemoryShare * memory / std::max(bytesEach, 1.0), 1.0, double(asked)));
-}
-
-}  // namespace
 
 bool BuildJobs::wanted(std::string_view stage, std::size_t done, std::size_t total) const {
   return !progress_ || progress_({stage, done, total});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/parallel.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -62,6 +64,13 @@ bool runJobs(std::size_t count, int threads, const std::function<void(std::size_
   }
   if (error) std::rethrow_exception(error);
   return wanted;
+}
+
+int threadsFor(int wanted, double bytesEach) {
+  constexpr double kMemoryShare = 0.5;  // of the machine's, that all jobs together may take
+  const int most = wanted > 0 ? wanted : std::max(1, int(std::thread::hardware_concurrency()));
+  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
+  return int(std::clamp(kMemoryShare * memory / std::max(bytesEach, 1.0), 1.0, double(most)));
 }
 
 }  // namespace ibr

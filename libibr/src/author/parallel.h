@@ -13,4 +13,8 @@ namespace ibr {
 bool runJobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job,
              const std::function<bool(std::size_t done)>& report);
 
+/// Threads for jobs that take up to `bytesEach` of memory: as many as `wanted` (0: as there are cores), but no more than
+/// half of the machine's memory holds, and at least one.
+int threadsFor(int wanted, double bytesEach);
+
 }  // namespace ibr

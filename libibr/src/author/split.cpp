@@ -8,7 +8,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <thread>
 
 #include "author/parallel.h"
 #include "author/photographs.h"
@@ -25,6 +24,7 @@ namespace {
 
 constexpr int kJpegQuality = 95;
 constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;  // of a face
+constexpr double kBytesPerPixel = 12;                        // of a face: RGB 3, JPEG's coefficients 6, its file
 
 // Of this thread.
 double processorSeconds() {
@@ -162,7 +162,7 @@ class Splitter {
       written[f] = processorSeconds() - began - sampled[f];
     };
     fs::create_directories(pictures());
-    const int threads = options_.threads > 0 ? options_.threads : int(std::thread::hardware_concurrency());
+    const int threads = threadsFor(options_.threads, kBytesPerPixel * size * size);
     const auto report = [&](std::size_t done) { return wanted(number * faces_.size() + done); };
     check(runJobs(faces_.size(), threads, job, report), ErrorCode::cancelled, "the splitting was cancelled");
     for (std::size_t f = 0; f < faces_.size(); ++f) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // build() from files to files, on a small synthetic set.
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -501,6 +503,16 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
   }
   CHECK(runJobs(
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
+}
+
+TEST_CASE("jobs run on no more threads than half of the memory holds, and on one") {
+  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
+  CHECK(threadsFor(64, 1) == 64);
+  CHECK(threadsFor(64, 0) == 64);
+  CHECK(threadsFor(64, memory / 21) == 10);
+  CHECK(threadsFor(3, memory / 21) == 3);
+  CHECK(threadsFor(64, 100 * memory) == 1);
+  CHECK(threadsFor(0, 1) >= 1);
 }
 
 TEST_CASE("cells that are kept for further builds change none of them") {
