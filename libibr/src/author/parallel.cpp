@@ -52,8 +52,9 @@ bool runJobs(std::size_t count, int threads, const std::function<void(std::size_
     std::vector<std::jthread> pool;
     for (std::size_t i = 0; i < workers; ++i) pool.emplace_back(work);
     std::unique_lock lock(mutex);
-    while (running > 0) {
-      changed.wait_for(lock, std::chrono::milliseconds(200));
+    for (bool last = false; !last;) {  // what jobs did that ended before this thread looked is reported, too
+      if (running > 0) changed.wait_for(lock, std::chrono::milliseconds(200));
+      last = running == 0;
       const std::size_t now = done;
       if (!wanted || stop) continue;
       lock.unlock();
