@@ -6,16 +6,15 @@
 
 #include "author/backdrop.h"
 #include "author/cell_cache.h"
-#include "author/own_depth.h"
 #include "author/posed_model.h"
+#include "author/scene_depth.h"
 #include "author/simplex.h"
 #include "author/stopwatch.h"
-#include "base/check.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 1;  // of their making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 2;  // of their making: raise it when they come out differently
 
 // How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
 double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {
@@ -66,22 +65,8 @@ MadeCell BackdropMaker::make(std::uint32_t photograph) const {
   Camera camera = photo.camera;
   const glm::ivec2 size = backdropSize(camera.intrinsics);
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
-  // What the cells found in it; where it is in no cell, what its tracks say.
-  ImageF depth;
-  if (cells.empty()) {
-    depth = depthOfPoints(camera, points);
-  } else {
-    std::vector<ImageF> maps;
-    for (const std::size_t c : cells) {
-      const std::vector<std::uint32_t>& members = scene_.cells[c].members;
-      auto depths = fetchDepths(keptFolder(options_), keys_[c]);
-      check(depths.has_value(), ErrorCode::io, "{}: what was kept of a cell is gone; build again",
-            keptFolder(options_).string());
-      maps.push_back(std::move((*depths)[std::size_t(std::ranges::find(members, photograph) - members.begin())]));
-    }
-    depth = medianDepth(maps);
-    dropIslands(depth, step * std::max(camera.intrinsics.fx, camera.intrinsics.fy));
-  }
+  // What the cells show of it; where it is in no cell, what its tracks say.
+  const ImageF depth = cells.empty() ? depthOfPoints(camera, points) : depthInScene(scene_, photograph, size);
   const Image8 colours = shrunk(loadPhotograph(photo), size.x, size.y);
   MadeCell made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, false, key};
   storeCell(keptFolder(options_), key, made.cell);

@@ -2,13 +2,10 @@
 // The file is private to a build on one machine: numbers as they lie in memory, and a hash of them at the end.
 #include "author/cell_cache.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <type_traits>
 #include <vector>
 
-#include "author/complete_depth.h"
 #include "author/hash.h"
 #include "base/check.h"
 #include "base/file.h"
@@ -78,12 +75,9 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-std::filesystem::path fileOf(const std::filesystem::path& folder, std::uint64_t key, const char* kind = "cell") {
-  return folder / fmt::format("{:016x}.{}", key, kind);
+std::filesystem::path fileOf(const std::filesystem::path& folder, std::uint64_t key) {
+  return folder / fmt::format("{:016x}.cell", key);
 }
-
-constexpr float kSteps = 65534.0f;          // of a stored depth
-constexpr std::uint16_t kNothing = 0xffff;  // an unknown one
 
 }  // namespace
 
@@ -125,41 +119,6 @@ std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint
   cell.quality.ecc = in.value<double>();
   cell.quality.residualPx = in.value<double>();
   return cell;
-}
-
-void storeDepths(const std::filesystem::path& folder, std::uint64_t key, const std::vector<ImageF>& depths) {
-  Writer out;
-  out.value(std::uint64_t(depths.size()));
-  for (const ImageF& depth : depths) {
-    const float nearest = std::max(*std::max_element(depth.values.begin(), depth.values.end()), 0.0f);
-    std::vector<std::uint16_t> steps;
-    steps.reserve(depth.values.size());
-    for (const float w : depth.values)
-      steps.push_back(w < 0         ? kNothing
-                      : nearest > 0 ? std::uint16_t(std::lround(w / nearest * kSteps))
-                                    : std::uint16_t(0));
-    out.value(depth.width);
-    out.value(depth.height);
-    out.value(nearest);
-    out.list(steps);
-  }
-  writeFile(fileOf(folder, key, "depth"), out.take());
-}
-
-std::optional<std::vector<ImageF>> fetchDepths(const std::filesystem::path& folder, std::uint64_t key) {
-  if (!std::filesystem::exists(fileOf(folder, key, "depth"))) return std::nullopt;
-  Reader in(readFile(fileOf(folder, key, "depth")));
-  if (!in.whole()) return std::nullopt;
-  std::vector<ImageF> depths(in.value<std::uint64_t>());
-  for (ImageF& depth : depths) {
-    const int width = in.value<int>(), height = in.value<int>();
-    const float nearest = in.value<float>();
-    depth = ImageF(width, height, 1, kUnknownDepth);
-    const std::vector<std::uint16_t> steps = in.list<std::uint16_t>();
-    for (std::size_t at = 0; at < steps.size(); ++at)
-      if (steps[at] != kNothing) depth.values[at] = nearest * (float(steps[at]) / kSteps);
-  }
-  return depths;
 }
 
 }  // namespace ibr

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "author/mesh.h"
-#include "ibr/image.h"
 
 namespace ibr {
 
@@ -16,9 +15,5 @@ void storeCell(const std::filesystem::path& folder, std::uint64_t key, const Cel
 
 /// nullopt where there is none, or one that is damaged.
 std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key);
-
-/// Likewise the depths in the members' own photographs (own_depth.h); they come back to 1/65534 of the nearest.
-void storeDepths(const std::filesystem::path& folder, std::uint64_t key, const std::vector<ImageF>& depths);
-std::optional<std::vector<ImageF>> fetchDepths(const std::filesystem::path& folder, std::uint64_t key);
 
 }  // namespace ibr

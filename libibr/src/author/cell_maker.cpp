@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <glm/vec3.hpp>
 
-#include "author/backdrop.h"
 #include "author/cell_cache.h"
 #include "author/local_adjust.h"
 #include "author/matcher_choice.h"
-#include "author/own_depth.h"
 #include "author/panorama_cell.h"
 #include "author/posed_model.h"
 #include "author/refine_full.h"
@@ -109,7 +107,7 @@ MatchView viewAndWhole(const Photograph& photograph, Image8& full) {
 }
 
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
-                     const CellPlanned& planned, std::uint64_t key) {
+                     const CellPlanned& planned) {
   std::vector<MatchView> views;
   std::vector<Camera> stored;
   std::vector<Image8> full(members.size());
@@ -123,12 +121,6 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
     match.vertices = matchedVertices(views, match);
     refineInFull(views, full, match, *match.vertices);
     full.clear();
-  }
-  if (options.backdrops) {
-    std::vector<ImageF> depths;
-    for (std::size_t i = 0; i < views.size(); ++i)
-      depths.push_back(ownDepth(match, views[i].camera, i, backdropSize(stored[i].intrinsics)));
-    storeDepths(keptFolder(options), key, depths);
   }
   return buildMesh(stored, views, match, options.triangleFilter);
 }
@@ -153,13 +145,12 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const CellPlanned planned = plannedCell(input_, options_, members);
   const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
-  if (auto kept = fetchCell(keptFolder(options_), key);
-      kept && (panoramic || !options_.backdrops || fetchDepths(keptFolder(options_), key).has_value()))
+  if (auto kept = fetchCell(keptFolder(options_), key))
     return {std::move(*kept), watch.seconds(), true, key, planned.match.matcher};
   MadeCell made{{}, 0, false, key, planned.match.matcher};
   try {
     made.cell = panoramic ? cellOfPanoramas(input_, members, planned.points)
-                          : pinholeCell(input_, options_, members, planned, key);
+                          : pinholeCell(input_, options_, members, planned);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalidInput) throw;
     std::string names;
