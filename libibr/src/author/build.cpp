@@ -13,6 +13,7 @@
 #include "author/build_jobs.h"
 #include "author/cell_maker.h"
 #include "author/cells.h"
+#include "author/kept_file.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
 #include "author/plane_labels.h"
@@ -46,7 +47,7 @@ class Builder {
     listUnused();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    if (options_.finishedCells.empty()) fs::remove_all(keptFolder(options_));
+    if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
     report_.seconds = watch.seconds();
     return std::move(report_);
   }

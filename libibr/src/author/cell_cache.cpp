@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file is private to a build on one machine: numbers as they lie in memory, and a hash of them at the end.
 #include "author/cell_cache.h"
 
 #include <cstring>
 #include <type_traits>
 #include <vector>
 
-#include "author/hash.h"
+#include "author/kept_file.h"
 #include "base/check.h"
-#include "base/file.h"
 
 namespace ibr {
 namespace {
@@ -27,12 +25,7 @@ class Writer {
     const auto bytes = std::as_bytes(std::span(values));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
-  std::vector<std::byte> take() {
-    Hash hash;
-    hash.add(out_);
-    value(hash.value());
-    return std::move(out_);
-  }
+  std::vector<std::byte> take() { return std::move(out_); }
 
  private:
   std::vector<std::byte> out_;
@@ -42,16 +35,6 @@ class Reader {
  public:
   explicit Reader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
 
-  /// Whether the hash at the end fits; it is no longer part of the contents then.
-  bool whole() {
-    if (bytes_.size() < sizeof(std::uint64_t)) return false;
-    std::uint64_t stored;
-    std::memcpy(&stored, bytes_.data() + bytes_.size() - sizeof(stored), sizeof(stored));
-    bytes_.resize(bytes_.size() - sizeof(stored));
-    Hash hash;
-    hash.add(bytes_);
-    return hash.value() == stored;
-  }
   template <class T>
   T value() {
     T v;
@@ -75,9 +58,7 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-std::filesystem::path fileOf(const std::filesystem::path& folder, std::uint64_t key) {
-  return folder / fmt::format("{:016x}.cell", key);
-}
+constexpr const char* kKind = "cell";  // of kept file
 
 }  // namespace
 
@@ -96,13 +77,13 @@ void storeCell(const std::filesystem::path& folder, std::uint64_t key, const Cel
   out.value(cell.quality.coverage);
   out.value(cell.quality.ecc);
   out.value(cell.quality.residualPx);
-  writeFile(fileOf(folder, key), out.take());
+  storeKept(keptFile(folder, key, kKind), out.take());
 }
 
 std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key) {
-  if (!std::filesystem::exists(fileOf(folder, key))) return std::nullopt;
-  Reader in(readFile(fileOf(folder, key)));
-  if (!in.whole()) return std::nullopt;
+  auto bytes = fetchKept(keptFile(folder, key, kKind));
+  if (!bytes) return std::nullopt;
+  Reader in(std::move(*bytes));
   CellMesh cell;
   MorphMesh& mesh = cell.mesh;
   mesh.match.resize(in.value<std::uint64_t>());

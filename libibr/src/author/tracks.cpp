@@ -15,9 +15,9 @@
 
 #include "author/feature_cache.h"
 #include "author/hash.h"
+#include "author/kept_file.h"
 #include "author/photographs.h"
 #include "base/check.h"
-#include "base/file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -115,10 +115,6 @@ class Sets {
   std::vector<std::vector<Feature>> members_;
 };
 
-fs::path fileOf(const fs::path& folder, std::uint64_t key, const char* kind) {
-  return folder / fmt::format("{:016x}.{}", key, kind);
-}
-
 std::uint64_t featureKey(std::uint64_t photograph) {
   Hash hash;
   hash.add(kFeaturesVersion);
@@ -134,31 +130,16 @@ std::uint64_t matchKey(std::uint64_t a, std::uint64_t b) {
   return hash.value();
 }
 
-// Their number, the numbers as they lie in memory, and their hash.
 void storeMatches(const fs::path& file, const std::vector<FeatureMatch>& matches) {
-  const auto body = std::as_bytes(std::span(matches));
-  Hash hash;
-  hash.add(body);
-  const std::uint64_t value = hash.value();
-  std::vector<std::byte> bytes(body.begin(), body.end());
-  const auto end = std::as_bytes(std::span(&value, 1));
-  bytes.insert(bytes.end(), end.begin(), end.end());
-  writeFile(file, bytes);
+  const auto bytes = std::as_bytes(std::span(matches));
+  storeKept(file, {bytes.begin(), bytes.end()});
 }
 
 std::optional<std::vector<FeatureMatch>> fetchMatches(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return std::nullopt;
-  const std::vector<std::byte> bytes = readFile(file);
-  std::uint64_t stored = 0;
-  if (bytes.size() < sizeof(stored) || (bytes.size() - sizeof(stored)) % sizeof(FeatureMatch) != 0) return std::nullopt;
-  const auto body = std::span(bytes).first(bytes.size() - sizeof(stored));
-  std::memcpy(&stored, bytes.data() + body.size(), sizeof(stored));
-  Hash hash;
-  hash.add(body);
-  if (hash.value() != stored) return std::nullopt;
-  std::vector<FeatureMatch> matches(body.size() / sizeof(FeatureMatch));
-  if (!matches.empty()) std::memcpy(matches.data(), body.data(), body.size());
+  const auto bytes = fetchKept(file);
+  if (!bytes || bytes->size() % sizeof(FeatureMatch) != 0) return std::nullopt;
+  std::vector<FeatureMatch> matches(bytes->size() / sizeof(FeatureMatch));
+  if (!matches.empty()) std::memcpy(matches.data(), bytes->data(), bytes->size());
   return matches;
 }
 
@@ -252,7 +233,7 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   std::set<std::uint32_t> wanted;
   for (const auto& [a, b] : pairs) wanted.insert({a, b});
   const std::vector<std::uint32_t> images(wanted.begin(), wanted.end());
-  const auto featuresFile = [&](std::uint32_t i) { return fileOf(input.keep, featureKey(input.hashes[i]), "features"); };
+  const auto featuresFile = [&](std::uint32_t i) { return keptFile(input.keep, featureKey(input.hashes[i]), "features"); };
   double pixels = 0;
   for (const std::uint32_t i : images) {
     const Intrinsics& k = model.images[i].camera.intrinsics;
@@ -276,7 +257,7 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   constexpr double kBytesOfPair = 2.0 * kFeatures * 600;
   run("matching features", pairs.size(), kBytesOfPair, [&](std::size_t p) {
     const auto [a, b] = pairs[p];
-    const fs::path file = fileOf(input.keep, matchKey(input.hashes[a], input.hashes[b]), "matches");
+    const fs::path file = keptFile(input.keep, matchKey(input.hashes[a], input.hashes[b]), "matches");
     if (auto kept = fetchMatches(file)) {
       matches[p] = std::move(*kept);
       return;

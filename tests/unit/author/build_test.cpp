@@ -143,6 +143,17 @@ TEST_CASE("a scene does not overwrite the photographs it is made from") {
   CHECK(readFile(options.photographs / set.model.images[0].name) == before);
 }
 
+TEST_CASE("of a folder .build only what builds keep is removed") {
+  const Set set;
+  const fs::path folder = set.options().output / ".build", notes = folder / "notes.txt";
+  fs::create_directories(folder);
+  writeFile(notes, "mine");
+  writeFile(folder / "0123456789abcdef.cell.77.tmp", "a draft that was never finished");
+  build(set.options());
+  CHECK(readTextFile(notes) == "mine");
+  CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+}
+
 TEST_CASE("photographs and a model become a valid scene whose matches are right") {
   const Set set;
   std::vector<std::string> stages;
