@@ -19,6 +19,7 @@
 #include "author/plane_labels.h"
 #include "author/read_poses.h"
 #include "author/stopwatch.h"
+#include "base/file.h"
 #include "ibr/author.h"
 
 namespace ibr {
@@ -54,7 +55,7 @@ class Builder {
 
  private:
   void storePhotographs() {
-    fs::create_directories(keptFolder(options_));
+    makeFolders(keptFolder(options_));
     input_.hashes.resize(input_.photographs.size());
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));

@@ -63,7 +63,7 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
     append(images, "{} {} {} {} {} {} {} {} {} {}\n{}\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, number + 1, name,
            seen[i]);
   }
-  std::filesystem::create_directories(folder);
+  makeFolders(folder);
   writeFile(folder / "cameras.txt", cameras);
   writeFile(folder / "images.txt", images);
   writeFile(folder / "points3D.txt", points);

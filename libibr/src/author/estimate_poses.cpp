@@ -114,7 +114,7 @@ class Estimator {
     check(ours || !fs::exists(options_.folder) || fs::is_empty(options_.folder), ErrorCode::invalidInput,
           "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
     if (ours && readTextFile(file("key")) != key) fs::remove_all(options_.folder);
-    fs::create_directories(options_.folder);
+    makeFolders(options_.folder);
     writeFile(file("key"), key);
     std::string list;
     for (const std::string& name : names_) list += name + '\n';
@@ -197,7 +197,7 @@ class Estimator {
 
   void estimate() {
     fs::remove_all(file("sparse"));  // a half-finished one is begun anew
-    fs::create_directories(file("sparse"));
+    makeFolders(file("sparse"));
     step("mapper", kMapping,
          {"--database_path", file("database.db").string(), "--image_path", options_.photographs.string(),
           "--output_path", file("sparse").string(), "--Mapper.num_threads", threads()},

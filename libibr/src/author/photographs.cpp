@@ -118,8 +118,8 @@ std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, Te
   std::error_code ignored;
   check(photo.copied || !fs::equivalent(photo.source, image, ignored), ErrorCode::invalidInput,
         "{}: the scene would overwrite this photograph; name another folder for the scene", photo.source.string());
-  fs::create_directories(image.parent_path());
-  fs::create_directories(texture.parent_path());
+  makeFolders(image.parent_path());
+  makeFolders(texture.parent_path());
   const Image8 picture = loadPhotograph(photo);
   if (photo.copied)
     writeFile(image, source);
@@ -136,7 +136,8 @@ std::vector<std::string> listPictures(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
     const std::string extension = lowerExtension(entry.path());
-    if (!entry.is_regular_file() ||
+    std::error_code ignored;  // of links that lead nowhere
+    if (!entry.is_regular_file(ignored) ||
         !(isJpeg(entry.path()) || isPng(entry.path()) || extension == ".tif" || extension == ".tiff"))
       continue;
     names.push_back(entry.path().lexically_relative(folder).generic_string());

@@ -157,11 +157,11 @@ class Splitter {
       const Image8 picture = sampler.view(intrinsics, faces_[f].rotation);
       sampled[f] = processorSeconds() - began;
       const fs::path file = pathInside(pictures(), result_.images[number * faces_.size() + f].name);
-      fs::create_directories(file.parent_path());
+      makeFolders(file.parent_path());
       writeImage(file, picture, kJpegQuality);
       written[f] = processorSeconds() - began - sampled[f];
     };
-    fs::create_directories(pictures());
+    makeFolders(pictures());
     const int threads = threadsFor(options_.threads, kBytesPerPixel * size * size);
     const auto report = [&](std::size_t done) { return wanted(number * faces_.size() + done); };
     check(runJobs(faces_.size(), threads, job, report), ErrorCode::cancelled, "the splitting was cancelled");

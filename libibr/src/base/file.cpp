@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -87,7 +88,8 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
   std::error_code ignored;
   const auto kind = fs::status(path, ignored).type();
   const bool inPlace = kind == fs::file_type::character || kind == fs::file_type::fifo;
-  const fs::path draft = inPlace ? path : fs::path(path.string() + fmt::format(".{}.tmp", ::getpid()));
+  static std::atomic<unsigned> drafts = 0;  // threads may write the same file at the same time
+  const fs::path draft = inPlace ? path : fs::path(path.string() + fmt::format(".{}.{}.tmp", ::getpid(), ++drafts));
   auto giveUp = [&](int error) {
     if (!inPlace) fs::remove(draft, ignored);
     fail(ErrorCode::io, "{}: cannot be written: {}", path.string(), std::strerror(error));
@@ -106,6 +108,12 @@ void writeFile(const fs::path& path, std::span<const std::byte> bytes) {
 
 void writeFile(const fs::path& path, std::string_view text) {
   writeFile(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+void makeFolders(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  check(!error, ErrorCode::io, "{}: cannot be made: {}", folder.string(), error.message());
 }
 
 fs::path pathInside(const fs::path& folder, const fs::path& relative) {

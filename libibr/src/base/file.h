@@ -24,6 +24,9 @@ std::vector<std::byte> readFileStart(const std::filesystem::path& path, std::siz
 void writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void writeFile(const std::filesystem::path& path, std::string_view text);
 
+/// Makes a folder and those above it, where they are missing. Throws Error{io} that names it.
+void makeFolders(const std::filesystem::path& folder);
+
 /// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..", links).
 /// The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);

@@ -279,9 +279,7 @@ void saveScene(const Scene& scene, const fs::path& folder) {
     fail(ErrorCode::invalidInput, "{}: scene cannot be saved: {} {}", folder.string(), faults[0].field,
          faults[0].message);
   checkTexts(scene, folder.string());
-  std::error_code error;
-  fs::create_directories(folder / "cells", error);
-  check(!error, ErrorCode::io, "{}: cannot be made: {}", (folder / "cells").string(), error.message());
+  makeFolders(folder / "cells");
   Writer writer(scene, folder);
   for (const Node& node : scene.nodes) writer.addPhotograph(node);
   Json cells = Json::array(), backdrops = Json::array();

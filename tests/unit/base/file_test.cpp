@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <future>
+#include <string>
+#include <vector>
 
 #include "ibr/error.h"
 #include "support/temporary_folder.h"
@@ -53,6 +56,30 @@ TEST_CASE("what cannot be written is named") {
   test::TemporaryFolder folder;
   CHECK(codeOf([&] { writeFile(folder / "no/such/folder", "x"); }) == ErrorCode::io);
   CHECK(codeOf([&] { writeFile("/dev/full", "x"); }) == ErrorCode::io);
+}
+
+TEST_CASE("of several threads that write a file one wins, whole") {
+  test::TemporaryFolder folder;
+  const auto write = [&](char c) {
+    for (int n = 0; n < 200; ++n) writeFile(folder / "a.txt", std::string(10'000, c));
+  };
+  std::vector<std::future<void>> writers;
+  for (const char c : {'a', 'b', 'c'}) writers.push_back(std::async(std::launch::async, write, c));
+  for (auto& writer : writers) CHECK_NOTHROW(writer.get());
+  const std::string text = readTextFile(folder / "a.txt");
+  CHECK(text == std::string(10'000, text.empty() ? ' ' : text[0]));
+  CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("folders are made, or named where they cannot be") {
+  test::TemporaryFolder folder;
+  makeFolders(folder / "a/b");
+  makeFolders(folder / "a/b");
+  CHECK(fs::is_directory(folder / "a/b"));
+  writeFile(folder / "file", "");
+  CHECK_THROWS_WITH(makeFolders(folder / "file/below"), Catch::Contains("file/below"));
+  CHECK(codeOf([&] { makeFolders(folder / "file/below"); }) == ErrorCode::io);
+  CHECK(codeOf([&] { makeFolders(folder / "file"); }) == ErrorCode::io);
 }
 
 TEST_CASE("paths stay inside their folder") {
