@@ -15,8 +15,6 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kExactPx = 0.1;  // median reprojection error up to which poses count as exact
-
 // What can stand in a scene: names of files need not be UTF-8.
 std::string utf8Of(const std::string& name) {
   using Json = nlohmann::json;

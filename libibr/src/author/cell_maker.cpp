@@ -95,24 +95,13 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   return hash.value();
 }
 
-// At the size that is matched; where that is smaller than the photograph, `full` gets the whole of it in grey.
-MatchView viewAndWhole(const Photograph& photograph, Image8& full) {
-  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
-  const Intrinsics& k = view.camera.intrinsics;
-  if (k.width != view.picture.width || k.height != view.picture.height) {
-    full = greyOf(view.picture);
-    view.picture = shrunk(view.picture, k.width, k.height);
-  }
-  return view;
-}
-
 CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const std::vector<std::uint32_t>& members,
                      const CellPlanned& planned) {
   std::vector<MatchView> views;
   std::vector<Camera> stored;
   std::vector<Image8> full(members.size());
   for (const std::uint32_t i : members) {
-    views.push_back(viewAndWhole(input.photographs[i], full[views.size()]));
+    views.push_back(viewOf(input.photographs[i], &full[views.size()]));
     stored.push_back(input.photographs[i].camera);
   }
   for (std::size_t i = 0; i < views.size(); ++i) views[i].camera = planned.cameras[i];
@@ -135,9 +124,13 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 
 }  // namespace
 
-MatchView viewOf(const Photograph& photograph) {
-  Image8 full;
-  return viewAndWhole(photograph, full);
+MatchView viewOf(const Photograph& photograph, Image8* whole) {
+  MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
+  const Intrinsics& k = view.camera.intrinsics;
+  if (k.width == view.picture.width && k.height == view.picture.height) return view;
+  if (whole) *whole = greyOf(view.picture);
+  view.picture = shrunk(view.picture, k.width, k.height);
+  return view;
 }
 
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {

@@ -22,8 +22,9 @@ struct MadeCell {
   MatchMethod matcher = MatchMethod::sweep;
 };
 
-/// A photograph at the size at which it is matched.
-MatchView viewOf(const Photograph& photograph);
+/// A photograph at the size at which it is matched. Where that is smaller than the photograph, `whole` gets all of it in
+/// grey, if it is wanted.
+MatchView viewOf(const Photograph& photograph, Image8* whole = nullptr);
 
 class CellMaker {
  public:

@@ -28,7 +28,6 @@ namespace ibr {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kExactPx = 0.1;  // as a build takes poses to be exact
 
 double cpuSeconds() {
   timespec now{};

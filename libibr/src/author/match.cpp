@@ -10,6 +10,7 @@
 #include "author/cv_view.h"
 #include "author/depth_clean.h"
 #include "author/mean_frame.h"
+#include "author/photographs.h"
 #include "author/plane_sweep.h"
 #include "author/sgm.h"
 #include "author/visibility.h"
@@ -36,7 +37,7 @@ class Matcher {
   Matcher(std::span<const MatchView> views, const MatchOptions& options) : views_(views), options_(options) {
     for (const MatchView& v : views) {
       cameras_.push_back(v.camera);
-      cv::cvtColor(cvView(v.picture), grey_.emplace_back(), cv::COLOR_RGB2GRAY);
+      grey_.push_back(greyOf(v.picture));
     }
     match_.frame = meanFrame(cameras_);
     width_ = match_.frame.intrinsics.width;
@@ -59,11 +60,11 @@ class Matcher {
     std::vector<SweepView> halves;
     std::vector<Camera> cameras;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const int width = std::max(grey_[i].cols / 2, 1), height = std::max(grey_[i].rows / 2, 1);
+      const int width = std::max(grey_[i].width / 2, 1), height = std::max(grey_[i].height / 2, 1);
       halves.push_back({scaled(cameras_[i], width, height), ImageF(width, height, 1)});
       cameras.push_back(halves.back().camera);
       cv::Mat small, target = cvView(halves.back().grey);
-      cv::resize(grey_[i], small, {width, height}, 0, 0, cv::INTER_AREA);
+      cv::resize(cvView(grey_[i]), small, {width, height}, 0, 0, cv::INTER_AREA);
       small.convertTo(target, CV_32F);
     }
     const Camera frame = scaled(match_.frame, std::max(width_ / 2, 1), std::max(height_ / 2, 1));
@@ -93,7 +94,7 @@ class Matcher {
         }
       cv::Mat corner, warped;
       cv::subtract(cvView(position), cv::Scalar(0.5, 0.5), corner);
-      cv::remap(grey_[i], warped, corner, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+      cv::remap(cvView(grey_[i]), warped, corner, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
       warped.convertTo(warped_.emplace_back(), CV_32F);
     }
   }
@@ -152,7 +153,8 @@ class Matcher {
   int width_ = 0, height_ = 0;
   std::vector<Camera> cameras_;
   std::vector<FrameToMember> maps_;
-  std::vector<cv::Mat> grey_, warped_;  // as photographed, 8 bits; as the frame sees it, float
+  std::vector<Image8> grey_;     // as photographed
+  std::vector<cv::Mat> warped_;  // as the frame sees it, float
   std::vector<Image8> inside_;
   DenseMatch match_;
 };

@@ -10,6 +10,7 @@
 #include "author/cv_view.h"
 #include "author/features.h"
 #include "author/mesh_warp.h"
+#include "author/photographs.h"
 #include "author/position_depth.h"
 
 namespace ibr {
@@ -53,10 +54,7 @@ class FlowMatcher {
  public:
   explicit FlowMatcher(std::span<const MatchView> views) : views_(views), d_(views.size()) {
     for (const MatchView& v : views) {
-      Image8& grey = grey_.emplace_back(v.picture.width, v.picture.height, 1);
-      cv::Mat target = cvView(grey);
-      cv::cvtColor(cvView(v.picture), target, cv::COLOR_RGB2GRAY);
-      features_.push_back(detectFeatures(grey, kFeatures));
+      features_.push_back(detectFeatures(grey_.emplace_back(greyOf(v.picture)), kFeatures));
     }
     const Image8& first = grey_[0];
     match_.frame = views[0].camera;

@@ -10,6 +10,7 @@
 #include "author/epipolar.h"
 #include "author/features.h"
 #include "author/homographies.h"
+#include "author/photographs.h"
 #include "author/plane_patch.h"
 #include "author/position_depth.h"
 #include "author/propagate.h"
@@ -35,12 +36,10 @@ class HomographicMatcher {
   HomographicMatcher(std::span<const MatchView> views, const HomographicOptions& options)
       : views_(views), options_(options), d_(views.size()), cameras_(camerasOf(views)), fit_(cameras_, options.posed) {
     for (const MatchView& v : views) {
-      Image8 grey(v.picture.width, v.picture.height, 1);
-      cv::Mat target = cvView(grey);
-      cv::cvtColor(cvView(v.picture), target, cv::COLOR_RGB2GRAY);
+      const Image8 grey = greyOf(v.picture);
       features_.push_back(detectFeatures(grey, kFeatures));
       cv::Mat value = cvView(grey_.emplace_back(grey.width, grey.height, 1));
-      target.convertTo(value, CV_32F);
+      cvView(grey).convertTo(value, CV_32F);
     }
   }
 

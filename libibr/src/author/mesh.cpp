@@ -18,9 +18,6 @@
 namespace ibr {
 namespace {
 
-constexpr double kPriorLevels = 0.5;  // standard deviation of the sweep's depth
-constexpr double kNoisePx = 0.25;     // of a match
-
 struct Vertices : MatchedVertices {
   std::vector<std::vector<glm::vec2>> stored;  // of each member, px of its stored photograph, on the grid
 

@@ -10,8 +10,8 @@
 namespace ibr {
 namespace {
 
-// Median reprojection error up to which poses count as exact. Features are found to about 0.13 px.
-constexpr double kExactPx = 0.2;
+// As kExactPx, but of features that are found to about 0.13 px themselves.
+constexpr double kExactByFeaturesPx = 0.2;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),
                             std::make_move_iterator(found.tracks.end()));
   input.tracksOf = tracksOfImages(input.model);
-  if (none) input.refine = error > kExactPx;
+  if (none) input.refine = error > kExactByFeaturesPx;
 }
 
 }  // namespace ibr

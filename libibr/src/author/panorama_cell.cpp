@@ -21,8 +21,6 @@ namespace {
 constexpr double kFov = 110.0 * std::numbers::pi / 180.0;  // of a face; matches count within 90°
 constexpr double kFacePixels = 2e6;                        // faces are matched at no more than this
 constexpr double kNearest = 1.0, kFarthest = 20.0;         // of assumed points, in largest distances of the members
-constexpr double kPriorLevels = 0.5;                       // standard deviation of the sweep's depth
-constexpr double kNoisePx = 0.25;                          // of a match
 
 struct Face {
   std::vector<MatchView> views;  // of the members, parallel

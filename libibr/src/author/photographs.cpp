@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <span>
 
+#include "author/cv_view.h"
 #include "author/hash.h"
 #include "base/check.h"
 #include "base/file.h"
@@ -17,7 +18,6 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kJpegQuality = 95;
 constexpr double kBytesPerPixel = 14;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
 
 std::string lowerExtension(const fs::path& path) {
@@ -25,9 +25,6 @@ std::string lowerExtension(const fs::path& path) {
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
   return extension;
-}
-bool isJpeg(const fs::path& path) {
-  return lowerExtension(path) == ".jpg" || lowerExtension(path) == ".jpeg";
 }
 bool isPng(const fs::path& path) {
   return lowerExtension(path) == ".png";
@@ -47,6 +44,10 @@ Intrinsics scaled(const Intrinsics& k, double scale) {
 }
 
 }  // namespace
+
+bool isJpeg(const fs::path& path) {
+  return lowerExtension(path) == ".jpg" || lowerExtension(path) == ".jpeg";
+}
 
 Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize) {
   Photograph photo;
@@ -87,17 +88,15 @@ Image8 loadPhotograph(const Photograph& photo) {
 
 Image8 shrunk(const Image8& picture, int width, int height) {
   Image8 small(width, height, 3);
-  const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
-  cv::Mat to(height, width, CV_8UC3, small.values.data());
-  cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
+  cv::Mat to = cvView(small);
+  cv::resize(cvView(picture), to, to.size(), 0, 0, cv::INTER_AREA);
   return small;
 }
 
 Image8 greyOf(const Image8& picture) {
   Image8 grey(picture.width, picture.height, 1);
-  const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
-  cv::Mat to(grey.height, grey.width, CV_8UC1, grey.values.data());
-  cv::cvtColor(from, to, cv::COLOR_RGB2GRAY);
+  cv::Mat to = cvView(grey);
+  cv::cvtColor(cvView(picture), to, cv::COLOR_RGB2GRAY);
   return grey;
 }
 

@@ -28,6 +28,11 @@ struct Photograph {
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
 };
 
+inline constexpr int kJpegQuality = 95;  // of what is stored anew
+
+/// By the extension of its name.
+bool isJpeg(const std::filesystem::path& path);
+
 /// Finds the file of a model's image and plans how it is stored: freed of its lens's distortion, at most `maxSize` px
 /// along its longest side (0: as it is). Throws Error (io, invalidInput) that names the file where it is missing,
 /// unreadable, or has neither the camera's size nor a uniform scale of it.

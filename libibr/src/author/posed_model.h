@@ -16,6 +16,9 @@ void removeImages(PosedModel& model, const std::vector<std::string>& names);
 /// Median distance between observations and projections of the tracks' points, px; 0 without tracks.
 double reprojectionError(const PosedModel& model);
 
+/// Median reprojection error up to which the poses of a model count as exact, px.
+inline constexpr double kExactPx = 0.1;
+
 /// Of each image the tracks that it observes, ascending; one that it observes twice is there once.
 std::vector<std::vector<std::uint32_t>> tracksOfImages(const PosedModel& model);
 

@@ -26,6 +26,9 @@ struct RangePrior {
   double deviation = 0;     // one standard deviation of it, > 0
 };
 
+inline constexpr double kPriorLevels = 0.5;  // of a sweep: standard deviation of the depth that it finds
+inline constexpr double kNoisePx = 0.25;     // least standard deviation of a match
+
 /// `frame` is the mean frame (its pixels are not used), `pixels` the match in each member's picture. `noisePx` is the
 /// least standard deviation of a match that is assumed.
 Range triangulate(const Camera& frame, std::span<const Camera> members, std::span<const glm::dvec2> pixels,

@@ -22,7 +22,6 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kJpegQuality = 95;
 constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;  // of a face
 constexpr double kBytesPerPixel = 12;                        // of a face: RGB 3, JPEG's coefficients 6, its file
 
@@ -31,13 +30,6 @@ double processorSeconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
-bool isJpeg(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  return extension == ".jpg" || extension == ".jpeg";
 }
 
 // Of names with '/': the folders that all of them begin with, with the last '/'.
