@@ -2,6 +2,7 @@
 #include "author/build_input.h"
 
 #include <bit>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -36,6 +37,16 @@ std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOpti
   return unknown;
 }
 
+// "a.tif" is stored as "a.tif.png".
+void checkStoredNames(const std::vector<Photograph>& photographs) {
+  std::map<fs::path, std::string> stored;
+  for (const Photograph& photo : photographs) {
+    const auto [other, fresh] = stored.emplace(photo.imageFile, photo.name);
+    check(fresh, ErrorCode::invalidInput, "{} and {}: a scene would store both as {}", other->second, photo.name,
+          photo.imageFile.string());
+  }
+}
+
 }  // namespace
 
 void checkOptions(const BuildOptions& options) {
@@ -59,6 +70,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
         posesFile(options).string());
   for (const PosedImage& image : input.model.images)
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
+  checkStoredNames(input.photographs);
   input.tracksOf = tracksOfImages(input.model);
   input.refine = reprojectionError(input.model) > kExactPx;
   return input;

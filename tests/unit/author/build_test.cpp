@@ -414,6 +414,18 @@ TEST_CASE("wrong input is refused by name, before anything is made") {
     options.exclude = {"001.png"};
     CHECK_NOTHROW(build(options));
     return;
+  SECTION("two photographs would be stored under one name") {
+    PosedModel model = set.model;
+    fs::copy(set.folder / "photos/000.png", set.folder / "photos/000.tif.png");
+    // As a model names it; what is in a file its first bytes say.
+    fs::rename(set.folder / "photos/001.png", set.folder / "photos/000.tif");
+    model.images[0].name = "000.tif.png";
+    model.images[1].name = "000.tif";
+    writeColmapModel(model, set.folder / "model");
+    const Error error = test::errorOf([&] { build(options); });
+    CHECK(error.code() == ErrorCode::invalidInput);
+    CHECK_THAT(error.what(), Contains("000.tif and 000.tif.png") || Contains("000.tif.png and 000.tif"));
+  }
   }
   SECTION("a photograph has other proportions") {
     writeImage(set.folder / "photos/001.png", Image8(96, 96, 3, 9));
