@@ -15,6 +15,7 @@ namespace ibr {
 namespace {
 
 constexpr std::uint64_t kVersion = 2;  // of their making: raise it when they come out differently
+constexpr double kBytes = 200e6;       // that completing a depth and its mesh take
 
 // How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
 double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {
@@ -72,6 +73,16 @@ MadeCell BackdropMaker::make(std::uint32_t photograph) const {
   storeCell(keptFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
   return made;
+}
+
+double BackdropMaker::bytes() const {
+  double most = 0;
+  for (std::size_t i = 0; i < cellsWith_.size(); ++i) {
+    const glm::ivec2 size = backdropSize(input_.photographs[i].camera.intrinsics);
+    const double depths = double(sizeof(float)) * size.x * size.y * double(cellsWith_[i].size());
+    most = std::max(most, depths + bytesToLoad(input_.photographs[i]));
+  }
+  return kBytes + most;
 }
 
 }  // namespace ibr

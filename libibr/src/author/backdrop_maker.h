@@ -11,9 +11,6 @@
 
 namespace ibr {
 
-/// Memory that making one takes at most, besides loading its photograph.
-inline constexpr double kBytesOfBackdrop = 200e6;
-
 class BackdropMaker {
  public:
   /// `keys`: what the scene's cells were kept under. All outlive the object and do not change.
@@ -22,6 +19,9 @@ class BackdropMaker {
 
   /// The photograph is no panorama. May be called from several threads. Throws Error.
   MadeCell make(std::uint32_t photograph) const;
+
+  /// The memory that making one takes at most.
+  double bytes() const;
 
  private:
   const BuildInput& input_;

@@ -114,22 +114,21 @@ class Builder {
     return names;
   }
 
-  // The share of tier 0 that is left.
-  void cutBorder(Cell& cell) const {
-    if (!options_.keepBorder) return;
+  BorderCut cutBorder(Cell& cell) const {
+    if (!options_.keepBorder) return {};
     std::vector<const Photograph*> members;
     for (const std::uint32_t i : cell.members) members.push_back(&input_.photographs[i]);
-    const BorderCut cut = dropBorder(cell.mesh, members);
-    if (cut.left == 1) return;
-    cell.quality.coverage *= cut.left;
-    cell.quality.ecc = cut.ecc;
+    return dropBorder(cell.mesh, members);
   }
 
   // Whether it is good enough for the scene.
   bool take(const CellMembers& members, MadeCell made) {
     Cell cell{members, std::move(made.cell.mesh), made.cell.quality};
     CellQuality& quality = cell.quality;
-    cutBorder(cell);
+    if (const BorderCut cut = cutBorder(cell); cut.left != 1) {
+      quality.coverage *= cut.left;
+      quality.ecc = cut.ecc;
+    }
     if (!(quality.coverage >= kLeastCoverage)) {
       const std::string names = fmt::format("{}", fmt::join(namesOf(members), ", "));
       const std::string reason = fmt::format("its members agree on {:.1f} % of their picture, less than {:.0f} %",
@@ -167,16 +166,14 @@ class Builder {
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_, keys_);
     std::vector<MadeCell> made(pinholes.size());
-    double loading = 0;
-    for (const std::uint32_t i : pinholes) loading = std::max(loading, bytesToLoad(input_.photographs[i]));
-    jobs_.runAll("completing backdrops", made.size(), kBytesOfBackdrop + loading,
+    jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
                  [&](std::size_t b) { made[b] = maker.make(pinholes[b]); });
     for (std::size_t b = 0; b < made.size(); ++b) {
       Cell backdrop{{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality};
-      cutBorder(backdrop);
+      cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
       const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
-                                   made[b].cell.quality.coverage, made[b].seconds, made[b].resumed});
+                                   backdrop.quality.coverage, made[b].seconds, made[b].resumed});
       scene_.backdrops.push_back(std::move(backdrop));
     }
   }
