@@ -9,6 +9,7 @@
 #include "author/agreement.h"
 #include "author/cv_view.h"
 #include "author/depth_clean.h"
+#include "author/depth_edges.h"
 #include "author/mean_frame.h"
 #include "author/photographs.h"
 #include "author/plane_sweep.h"
@@ -74,8 +75,10 @@ class Matcher {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
     const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
 
-    ImageF level = semiGlobalLevels(planeSweep(frame, halves, levels));
+    const CostVolume volume = planeSweep(frame, halves, levels);
+    ImageF level = semiGlobalLevels(volume);
     cleanDepth(level, kSpeckleStep, kSpeckle);
+    trimForegrounds(frame, halves, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));
     match_.inverseDepthStep = float(levels.step);
     match_.inverseDepth = enlarged(fitPlanes(level, match_.inverseDepthStep), width_, height_);

@@ -18,10 +18,13 @@ constexpr int kWindow = 2 * kRadius + 1;
 constexpr float kUnits = 4.0f;                    // a grey level in the units of the sums, see Correlation
 constexpr float kNoise = 9.0f * kUnits * kUnits;  // variance that is not texture: 9 grey²
 constexpr int kBlock = 16;                        // levels
+constexpr float kNoCorrelation = float(kCostLargest) / 2;
 constexpr float kUnseen = 132;  // cost of a pair that does not both see the pixel: a little worse than no texture
 // Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing. Costs of the
-// nearest level are higher by this share; good matches, being low, are hardly touched.
+// nearest level are higher by this share; good matches, being low, are hardly touched. …
 constexpr float kFarther = 0.2f;
+// … Windows without texture cost this much more there: else a sky without clouds ends on the roofs below it.
+constexpr float kFartherTextureless = kNoCorrelation;
 constexpr double kLeastLevels = 64, kMostLevels = 256;  // among the tracks
 constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches beyond the tracks' inverse depths …
 constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
@@ -115,11 +118,12 @@ void sumSideways(const float* column, float* out, int width) {
   for (int x = 0; x < width; ++x) out[x] = column[x - 2] + column[x - 1] + column[x] + column[x + 1] + column[x + 2];
 }
 
+constexpr float kShare = 1.0f / float(kWindow * kWindow);
+
 // Adds 1 − ZNCC of the windows of a pair whose sums (of a, a², b, b², ab) are given.
 void correlate(const float* __restrict sa, const float* __restrict saa, const float* __restrict sb,
                const float* __restrict sbb, const float* __restrict sab, float* __restrict total,
                float* __restrict count, int n) {
-  constexpr float kShare = 1.0f / float(kWindow * kWindow);
   for (int x = 0; x < n; ++x) {
     const float meanA = sa[x] * kShare, meanB = sb[x] * kShare;
     const float varianceA = larger(saa[x] * kShare - meanA * meanA, 0.0f) + kNoise;
@@ -141,11 +145,12 @@ class Correlation {
     sum_.assign(quantities, std::vector<float>(std::size_t(width)));
     total_.resize(std::size_t(width));
     count_.resize(std::size_t(width));
+    variance_.resize(std::size_t(width));
     zero_.assign(std::size_t(width), 0.0f);
   }
 
-  /// Costs of one level into `cost` (height × width).
-  void run(std::span<const Warped> warped, std::uint8_t* cost) {
+  /// Costs of one level into `cost` (height × width); `nearness` is 0 at infinity and 1 at the nearest level.
+  void run(std::span<const Warped> warped, float nearness, std::uint8_t* cost) {
     for (auto& column : column_) std::fill(column.begin(), column.end(), 0.0f);
     for (int y = -kRadius - 1; y < kRadius; ++y) move(warped, y, std::nullopt);
     for (int y = 0; y < height_; ++y) {
@@ -163,9 +168,14 @@ class Correlation {
       std::uint8_t* __restrict const out = cost + std::size_t(y) * std::size_t(width_);
       const float* __restrict const total = total_.data(), * __restrict const count = count_.data();
       const float pairs = float(d_ * (d_ - 1) / 2);
+      addVariances();
+      const float* __restrict const variance = variance_.data();
+      const float share = 1.0f + nearness * kFarther, farther = nearness * kFartherTextureless;
+      const float noise = float(d_) * kNoise;
       for (int x = 0; x < width_; ++x) {
-        const float sum = (float(kCostLargest) / 2) * total[x] + kUnseen * (pairs - count[x]);
-        out[x] = std::uint8_t(int(sum / pairs + 0.5f));
+        const float sum = kNoCorrelation * total[x] + kUnseen * (pairs - count[x]);
+        const float textureless = noise / (noise + variance[x]);
+        out[x] = std::uint8_t(int(smaller(share * sum / pairs + farther * textureless * textureless + 0.5f, 255.0f)));
       }
     }
   }
@@ -197,6 +207,20 @@ class Correlation {
       }
   }
 
+  // Of the members' windows about the pixels of the row.
+  void addVariances() {
+    std::fill(variance_.begin(), variance_.end(), 0.0f);
+    float* __restrict const variance = variance_.data();
+    for (int i = 0; i < d_; ++i) {
+      const float* __restrict const value = sum_[std::size_t(2 * i)].data();
+      const float* __restrict const square = sum_[std::size_t(2 * i + 1)].data();
+      for (int x = 0; x < width_; ++x) {
+        const float mean = value[x] * kShare;
+        variance[x] += larger(square[x] * kShare - mean * mean, 0.0f);
+      }
+    }
+  }
+
   void addPair(std::span<const Warped> warped, int y, int i, int j, std::size_t product) {
     const Warped &a = warped[std::size_t(i)], &b = warped[std::size_t(j)];
     const int first = std::max(a.first[std::size_t(y)], b.first[std::size_t(y)]);
@@ -210,7 +234,7 @@ class Correlation {
 
   int d_, width_, height_;
   std::vector<std::vector<float>> column_, sum_;  // of each member: value, square; then of each pair: product
-  std::vector<float> total_, count_, zero_;
+  std::vector<float> total_, count_, variance_, zero_;
 };
 
 }  // namespace
@@ -277,7 +301,7 @@ CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, con
       for (std::size_t i = 0; i < views.size(); ++i)
         warp(views[i], maps[i], range.inverseDepth[std::size_t(base + k)], warped[i]);
       std::uint8_t* const cost = &block[std::size_t(k) * pixels];
-      correlation.run(warped, cost);
+      correlation.run(warped, float(base + k) / float(levels - 1), cost);
       for (std::size_t p = 0; p < pixels; ++p) {
         if (cost[p] >= best[p]) continue;
         best[p] = cost[p];
@@ -287,11 +311,8 @@ CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, con
       }
     }
     for (std::size_t p = 0; p < pixels; ++p)
-      for (int k = 0; k < count; ++k) {
-        const int level = base + k;
-        const float cost = float(block[std::size_t(k) * pixels + p]) * (1.0f + kFarther * float(level) / float(levels));
-        volume.cost[p * std::size_t(levels) + std::size_t(level)] = std::uint8_t(std::min(cost + 0.5f, 255.0f));
-      }
+      for (int k = 0; k < count; ++k)
+        volume.cost[p * std::size_t(levels) + std::size_t(base + k)] = block[std::size_t(k) * pixels + p];
   }
   return volume;
 }

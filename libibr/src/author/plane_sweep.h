@@ -3,7 +3,8 @@
 // of Hirschmüller & Scharstein's comparison, PAMI 2009: zero-mean normalised cross-correlation).
 //
 //   levels of inverse depth, spaced so that one step moves the members by about one pixel against each other
-//   cost(pixel, level) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest
+//   cost(pixel, level) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest; more at near levels
+//                        where the windows have no texture
 #pragma once
 
 #include <cstdint>

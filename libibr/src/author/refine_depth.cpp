@@ -78,7 +78,9 @@ bool DepthRefiner::gather(int x, int y, Patch& patch) const {
   for (int v = y0; v <= y1; ++v)
     for (int u = x0; u <= x1; ++u) {
       const double plane = here + slopeX * (u - x) + slopeY * (v - y);
-      if (std::abs(double(depth.pixel(u, v)[0]) - plane) > limit || !seen({u + 0.5, v + 0.5}, plane)) continue;
+      if (!match_.good.pixel(u, v)[0] || std::abs(double(depth.pixel(u, v)[0]) - plane) > limit ||
+          !seen({u + 0.5, v + 0.5}, plane))
+        continue;
       patch.pixel[std::size_t(patch.count)] = {u + 0.5, v + 0.5};
       patch.inverseDepth[std::size_t(patch.count++)] = plane;
     }

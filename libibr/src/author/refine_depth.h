@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sub-pixel depth: Gauss–Newton on one inverse depth, as Lucas & Kanade (1981) on a displacement.
 //
-//   patch of 11×11 px of the frame, plane in depth; only pixels whose dense depth lies on that plane
+//   patch of 11×11 px of the frame, plane in depth; only pixels that match and whose dense depth lies on that plane
 //   each member's grey values there, brought to the same mean and spread; r_i their deviation from the members' mean
 //   minimise Σ r_i² over a common change of the patch's inverse depth, held by the dense one where texture is weak
 #pragma once
