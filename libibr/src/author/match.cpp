@@ -10,6 +10,7 @@
 #include "author/cv_view.h"
 #include "author/depth_clean.h"
 #include "author/depth_edges.h"
+#include "author/dominant_planes.h"
 #include "author/mean_frame.h"
 #include "author/photographs.h"
 #include "author/plane_sweep.h"
@@ -75,7 +76,10 @@ class Matcher {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
     const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
 
-    const CostVolume volume = planeSweep(frame, halves, levels);
+    std::vector<glm::dvec3> planes = dominantPlanes(match_.frame, cameras_, points);
+    const glm::dvec3 toHalf(double(width_) / frame.intrinsics.width, double(height_) / frame.intrinsics.height, 1.0);
+    for (glm::dvec3& plane : planes) plane *= toHalf;
+    const CostVolume volume = planeSweep(frame, halves, levels, planes);
     ImageF level = semiGlobalLevels(volume);
     cleanDepth(level, kSpeckleStep, kSpeckle);
     trimForegrounds(frame, halves, levels, volume.guide, level);

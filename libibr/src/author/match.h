@@ -2,7 +2,7 @@
 // A dense match of 2 to 4 posed photographs ([T] §2.4.1 asks for one; ours is a plane sweep, since the poses are
 // known).
 //
-//   1. mean frame; inverse-depth range from the tracks
+//   1. mean frame; inverse-depth range and dominant planes from the tracks
 //   2. plane sweep and semi-global matching at half resolution, cleaned, foregrounds trimmed, brought to full resolution
 //   3. gate: inside all members' pictures, alike in all of them, and hidden from none by what stands before it
 //   4. where the poses are estimates: what optical flow finds between the members, warped to the frame, is added to the
@@ -55,7 +55,7 @@ struct DenseMatch {
   std::optional<MatchedVertices> vertices;  // where the matcher itself puts them; else the quadtree does
 };
 
-/// `points` of the world that the members see give the sweep its range. Precondition: 2 to 4 views. Throws
+/// `points` of the world that the members see give the sweep its range and planes. Precondition: 2 to 4 views. Throws
 /// Error{invalidInput} where no point lies in front of the mean frame.
 DenseMatch matchViews(std::span<const MatchView> views, std::span<const glm::dvec3> points,
                       const MatchOptions& options = {});

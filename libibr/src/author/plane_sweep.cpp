@@ -30,6 +30,10 @@ constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches bey
 constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
 constexpr double kCompact = 0.5;                // the farthest is more than this share of the nearest
 constexpr double kGrowth = 1.3;                 // of steps from there to infinity
+// Cost below which a slanted plane is believed (a correlation of 0.25): where nothing has texture, as in the sky, planes
+// would go on for ever.
+constexpr std::uint8_t kBelieved = 90;
+constexpr double kLeastSlant = 0.3;             // of planes, levels a pixel
 
 // By value: through the references of std::max the loops below would not be vectorised.
 float larger(float a, float b) {
@@ -39,7 +43,12 @@ float smaller(float a, float b) {
   return b < a ? b : a;
 }
 
-// The member's picture as the frame would see it if everything lay at one inverse depth. Beyond the picture's border
+// Where a member sees what lies on a plane of inverse depth n·(x, y, 1): as in PlaneMaps.
+glm::dmat3 through(const FrameToMember& map, glm::dvec3 n) {
+  return map.a + glm::outerProduct(map.b, n);
+}
+
+// The member's picture as the frame would see it if everything lay on one plane. Beyond the picture's border
 // its edge is repeated; `first` and `last` bound the pixels of each row that are inside.
 struct Warped {
   ImageF grey;
@@ -56,12 +65,12 @@ struct Warped {
         fv(std::size_t(width)) {}
 };
 
-void warp(const SweepView& view, const FrameToMember& map, double inverseDepth, Warped& out) {
+void warp(const SweepView& view, const glm::dmat3& map, Warped& out) {
   const int width = out.grey.width, height = out.grey.height;
   const int sourceWidth = view.grey.width, sourceHeight = view.grey.height;
   const float right = float(sourceWidth) - 1.001f, bottom = float(sourceHeight) - 1.001f;
   for (int y = 0; y < height; ++y) {
-    const glm::dvec3 start = map.homogeneous({0.5, y + 0.5}, inverseDepth), step = map.a[0];
+    const glm::dvec3 start = map * glm::dvec3(0.5, y + 0.5, 1.0), step = map[0];
     // Inside means q.z > 0 and 0 <= q.x / q.z <= width and so on: half-lines in x, so a row has one interval.
     double low = 0, high = width - 1;
     auto clip = [&](double at0, double slope) {  // at0 + slope·x >= 0
@@ -149,8 +158,9 @@ class Correlation {
     zero_.assign(std::size_t(width), 0.0f);
   }
 
-  /// Costs of one level into `cost` (height × width); `nearness` is 0 at infinity and 1 at the nearest level.
-  void run(std::span<const Warped> warped, float nearness, std::uint8_t* cost) {
+  /// Costs of one plane into `cost` (height × width). `nearness`, linear in the picture as the plane's inverse depth,
+  /// n·(x, y, 1), is 0 at the farthest level and 1 at the nearest.
+  void run(std::span<const Warped> warped, glm::dvec3 nearness, std::uint8_t* cost) {
     for (auto& column : column_) std::fill(column.begin(), column.end(), 0.0f);
     for (int y = -kRadius - 1; y < kRadius; ++y) move(warped, y, std::nullopt);
     for (int y = 0; y < height_; ++y) {
@@ -170,11 +180,13 @@ class Correlation {
       const float pairs = float(d_ * (d_ - 1) / 2);
       addVariances();
       const float* __restrict const variance = variance_.data();
-      const float share = 1.0f + nearness * kFarther, farther = nearness * kFartherTextureless;
+      const float left = float(glm::dot(nearness, glm::dvec3(0.5, y + 0.5, 1.0))), across = float(nearness.x);
       const float noise = float(d_) * kNoise;
       for (int x = 0; x < width_; ++x) {
+        const float near = smaller(larger(left + across * float(x), 0.0f), 1.0f);
         const float sum = kNoCorrelation * total[x] + kUnseen * (pairs - count[x]);
         const float textureless = noise / (noise + variance[x]);
+        const float share = 1.0f + near * kFarther, farther = near * kFartherTextureless;
         out[x] = std::uint8_t(int(smaller(share * sum / pairs + farther * textureless * textureless + 0.5f, 255.0f)));
       }
     }
@@ -237,6 +249,100 @@ class Correlation {
   std::vector<float> total_, count_, variance_, zero_;
 };
 
+class Sweep {
+ public:
+  Sweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range)
+      : views_(views),
+        range_(range),
+        width_(frame.intrinsics.width),
+        height_(frame.intrinsics.height),
+        levels_(range.count()),
+        pixels_(std::size_t(width_) * std::size_t(height_)),
+        warped_(views.size(), Warped(width_, height_)),
+        correlation_(int(views.size()), width_, height_),
+        best_(pixels_, 255),
+        volume_{width_, height_, levels_, {}, ImageF(width_, height_, 1), {}} {
+    volume_.cost.resize(pixels_ * std::size_t(levels_));
+    for (const SweepView& view : views) maps_.push_back(frameToMember(frame, view.camera));
+  }
+
+  /// Planes that face the frame: one a level.
+  void facing() {
+    std::vector<std::uint8_t> block(pixels_ * kBlock);
+    for (int base = 0; base < levels_; base += kBlock) {
+      const int count = std::min(kBlock, levels_ - base);
+      for (int k = 0; k < count; ++k) {
+        std::uint8_t* const cost = &block[std::size_t(k) * pixels_];
+        match({0, 0, range_.inverseDepth[std::size_t(base + k)]}, {0, 0, double(base + k) / (levels_ - 1)}, cost);
+        for (std::size_t p = 0; p < pixels_; ++p) remember(p, cost[p]);
+      }
+      for (std::size_t p = 0; p < pixels_; ++p)
+        for (int k = 0; k < count; ++k) at(p, base + k) = block[std::size_t(k) * pixels_ + p];
+    }
+  }
+
+  /// A slanted plane and others beside it, each a step of inverse depth nearer everywhere. A level lies between two
+  /// neighbours of them, and takes what they cost there if that is less than what it has.
+  void along(glm::dvec3 plane) {
+    std::vector<std::int16_t>& on = volume_.planes.emplace_back(pixels_, kNoLevel);
+    std::vector<std::uint8_t> cost(pixels_), before(pixels_), least(pixels_, 255);
+    const double nearest = range_.inverseDepth.back(), range = (levels_ - 1) * range_.step;
+    for (int k = -kPlaneReach; k <= kPlaneReach; ++k) {
+      const glm::dvec3 n = plane + glm::dvec3(0, 0, k * range_.step);
+      match(n, n / range + glm::dvec3(0, 0, 1.0 - nearest / range), cost.data());
+      for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+          const double inverseDepth = glm::dot(n, glm::dvec3(x + 0.5, y + 0.5, 1.0));
+          if (!(inverseDepth >= range_.evenFrom && inverseDepth < nearest)) continue;
+          const double level = levels_ - 1 - (nearest - inverseDepth) / range_.step;
+          if (level < 1) continue;
+          const std::size_t p = std::size_t(y) * std::size_t(width_) + std::size_t(x);
+          remember(p, cost[p]);
+          least[p] = std::min(least[p], cost[p]);
+          if (k == 0) on[p] = std::int16_t(std::lround(level));
+          if (k == -kPlaneReach) continue;
+          const int below = int(level);  // between this plane and the one before
+          const float part = float(level - below);
+          const float between = float(cost[p]) + part * (float(before[p]) - float(cost[p]));
+          if (between < float(kBelieved)) at(p, below) = std::min(at(p, below), std::uint8_t(between + 0.5f));
+        }
+      std::swap(cost, before);
+    }
+    for (std::size_t p = 0; p < pixels_; ++p)
+      if (least[p] >= kBelieved) on[p] = kNoLevel;
+  }
+
+  CostVolume take() { return std::move(volume_); }
+
+ private:
+  std::uint8_t& at(std::size_t pixel, int level) {
+    return volume_.cost[pixel * std::size_t(levels_) + std::size_t(level)];
+  }
+
+  void match(glm::dvec3 plane, glm::dvec3 nearness, std::uint8_t* cost) {
+    for (std::size_t i = 0; i < views_.size(); ++i) warp(views_[i], through(maps_[i], plane), warped_[i]);
+    correlation_.run(warped_, nearness, cost);
+  }
+
+  void remember(std::size_t p, std::uint8_t cost) {
+    if (cost >= best_[p]) return;
+    best_[p] = cost;
+    float sum = 0;
+    for (const Warped& w : warped_) sum += w.grey.values[p];
+    volume_.guide.values[p] = sum / (kUnits * float(warped_.size())) + 128.0f;
+  }
+
+  std::span<const SweepView> views_;
+  const SweepLevels& range_;
+  int width_, height_, levels_;
+  std::size_t pixels_;
+  std::vector<FrameToMember> maps_;
+  std::vector<Warped> warped_;
+  Correlation correlation_;
+  std::vector<std::uint8_t> best_;  // cost of what the guide shows
+  CostVolume volume_;
+};
+
 }  // namespace
 
 double SweepLevels::at(double level) const {
@@ -275,7 +381,7 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
   std::nth_element(motion.begin(), motion.begin() + std::ptrdiff_t(motion.size() * 9 / 10), motion.end());
   const double pixels = std::clamp(motion[motion.size() * 9 / 10], kLeastLevels, kMostLevels);
 
-  SweepLevels levels{{}, (highest - lowest) / std::ceil(pixels)};
+  SweepLevels levels{{}, (highest - lowest) / std::ceil(pixels), lowest};
   for (double v = highest, step = levels.step; v > 0.5 * step; v -= step) {
     levels.inverseDepth.push_back(v);
     if (v <= lowest) step *= kGrowth;
@@ -285,36 +391,13 @@ SweepLevels sweepLevels(const Camera& frame, std::span<const Camera> members, st
   return levels;
 }
 
-CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range) {
-  const int width = frame.intrinsics.width, height = frame.intrinsics.height, levels = range.count();
-  const std::size_t pixels = std::size_t(width) * std::size_t(height);
-  CostVolume volume{width, height, levels, {}, ImageF(width, height, 1)};
-  volume.cost.resize(pixels * std::size_t(levels));
-  std::vector<FrameToMember> maps;
-  for (const SweepView& view : views) maps.push_back(frameToMember(frame, view.camera));
-  std::vector<Warped> warped(views.size(), Warped(width, height));
-  Correlation correlation(int(views.size()), width, height);
-  std::vector<std::uint8_t> block(pixels * kBlock), best(pixels, 255);
-  for (int base = 0; base < levels; base += kBlock) {
-    const int count = std::min(kBlock, levels - base);
-    for (int k = 0; k < count; ++k) {
-      for (std::size_t i = 0; i < views.size(); ++i)
-        warp(views[i], maps[i], range.inverseDepth[std::size_t(base + k)], warped[i]);
-      std::uint8_t* const cost = &block[std::size_t(k) * pixels];
-      correlation.run(warped, float(base + k) / float(levels - 1), cost);
-      for (std::size_t p = 0; p < pixels; ++p) {
-        if (cost[p] >= best[p]) continue;
-        best[p] = cost[p];
-        float sum = 0;
-        for (const Warped& w : warped) sum += w.grey.values[p];
-        volume.guide.values[p] = sum / (kUnits * float(warped.size())) + 128.0f;
-      }
-    }
-    for (std::size_t p = 0; p < pixels; ++p)
-      for (int k = 0; k < count; ++k)
-        volume.cost[p * std::size_t(levels) + std::size_t(base + k)] = block[std::size_t(k) * pixels + p];
-  }
-  return volume;
+CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& levels,
+                      std::span<const glm::dvec3> planes) {
+  Sweep sweep(frame, views, levels);
+  sweep.facing();
+  for (const glm::dvec3& plane : planes)
+    if (glm::length(glm::dvec2(plane)) >= kLeastSlant * levels.step) sweep.along(plane);
+  return sweep.take();
 }
 
 }  // namespace ibr

@@ -5,9 +5,13 @@
 //   levels of inverse depth, spaced so that one step moves the members by about one pixel against each other
 //   cost(pixel, level) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest; more at near levels
 //                        where the windows have no texture
+//
+// On a surface that is seen along it, as the ground, a window has no one depth. For planes that the scene is known to
+// have the sweep therefore also tries depths that change over the picture as the plane's (Gallup et al., CVPR 2007).
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
@@ -20,6 +24,7 @@ namespace ibr {
 struct SweepLevels {
   std::vector<double> inverseDepth;  // ascending
   double step = 0;                   // between levels among the tracks; towards infinity the steps grow
+  double evenFrom = 0;               // inverse depth from which on they do not
 
   int count() const { return int(inverseDepth.size()); }
   /// Between levels by linear interpolation. Precondition: 0 <= level <= count() − 1.
@@ -42,8 +47,13 @@ struct CostVolume {
   int width = 0, height = 0, levels = 0;
   std::vector<std::uint8_t> cost;  // height × width × levels
   ImageF guide;                    // grey of what the members agree on best: the frame's picture, roughly
+  std::vector<std::vector<std::int16_t>> planes;  // of each slanted plane: its level at a pixel; kNoLevel: not there
 };
+inline constexpr std::int16_t kNoLevel = -1;
+inline constexpr int kPlaneReach = 2;  // levels before and behind a plane that count as being on it
 
-CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& levels);
+/// `planes` as of dominantPlanes; those that are hardly slanted are left out, as nothing is gained there.
+CostVolume planeSweep(const Camera& frame, std::span<const SweepView> views, const SweepLevels& levels,
+                      std::span<const glm::dvec3> planes = {});
 
 }  // namespace ibr

@@ -33,6 +33,23 @@ std::int16_t step(const std::uint8_t* __restrict cost, const std::int16_t* __res
   return smallest;
 }
 
+// Lets the step follow a plane that is at level `from` where the path comes from and at `to` here; returns the new
+// min(here), which was `smallest`.
+std::int16_t follow(const std::uint8_t* cost, const std::int16_t* before, std::int16_t least, int from, int to,
+                    std::int16_t smallest, std::int16_t* here, std::int16_t* sum, int levels) {
+  const int change = to - from;
+  const int first = std::max({to - kPlaneReach, change, 0});
+  const int last = std::min({to + kPlaneReach, levels - 1 + change, levels - 1});
+  for (int l = first; l <= last; ++l) {
+    const std::int16_t value = std::int16_t(before[l - change] - least + cost[l]);
+    if (value >= here[l]) continue;
+    sum[l] = std::int16_t(sum[l] + value - here[l]);
+    here[l] = value;
+    smallest = std::min(smallest, value);
+  }
+  return smallest;
+}
+
 // Rows of path costs for one direction across rows, or the pixel before for the direction along the row.
 struct PathRow {
   PathRow(int pixels, int levels) : stride(levels + 2), least(std::size_t(pixels), 0) {
@@ -62,21 +79,27 @@ void sweepOnce(const CostVolume& volume, bool mirrored, std::vector<std::int16_t
       const std::uint8_t* const cost = &volume.cost[pixel * std::size_t(levels)];
       std::int16_t* const total = &sum[pixel * std::size_t(levels)];
       const int now = column & 1, before = now ^ 1;
+      const auto from = [&](std::size_t other, const std::int16_t* last, std::int16_t least, std::int16_t* next) {
+        std::int16_t smallest = step(cost, last, least, smoothness(guide[pixel], guide[other]), next, total, levels);
+        for (const auto& plane : volume.planes)
+          if (plane[other] != kNoLevel && plane[pixel] != kNoLevel)
+            smallest = follow(cost, last, least, plane[other], plane[pixel], smallest, next, total, levels);
+        return smallest;
+      };
       if (column == 0)
         side.least[std::size_t(now)] = step(cost, &zero[1], 0, 0, side.at(now), total, levels);
       else
-        side.least[std::size_t(now)] =
-            step(cost, side.at(before), side.least[std::size_t(before)],
-                 smoothness(guide[pixel], guide[std::ptrdiff_t(pixel) - towards]), side.at(now), total, levels);
+        side.least[std::size_t(now)] = from(std::size_t(std::ptrdiff_t(pixel) - towards), side.at(before),
+                                            side.least[std::size_t(before)], side.at(now));
       for (int k = 0; k < 3; ++k) {
-        const int from = x + (k - 1);
+        const int beside = x + (k - 1);
         PathRow &last = above[std::size_t(k)], &next = here[std::size_t(k)];
-        if (row == 0 || from < 0 || from >= width) {
+        if (row == 0 || beside < 0 || beside >= width) {
           next.least[std::size_t(x)] = step(cost, &zero[1], 0, 0, next.at(x), total, levels);
         } else {
-          const std::ptrdiff_t other = std::ptrdiff_t(y - towards) * width + from;
-          next.least[std::size_t(x)] = step(cost, last.at(from), last.least[std::size_t(from)],
-                                            smoothness(guide[pixel], guide[other]), next.at(x), total, levels);
+          const std::ptrdiff_t other = std::ptrdiff_t(y - towards) * width + beside;
+          next.least[std::size_t(x)] =
+              from(std::size_t(other), last.at(beside), last.least[std::size_t(beside)], next.at(x));
         }
       }
     }
