@@ -23,8 +23,9 @@ constexpr float kUnseen = 132;  // cost of a pair that does not both see the pix
 // Where nothing speaks for any depth the farthest is the best guess: what is too far hides nothing. Costs of the
 // nearest level are higher by this share; good matches, being low, are hardly touched. …
 constexpr float kFarther = 0.2f;
-// … Windows without texture cost this much more there: else a sky without clouds ends on the roofs below it.
-constexpr float kFartherTextureless = kNoCorrelation;
+// … Windows without texture cost this much more there: else a sky without clouds ends on the roofs below it. With more,
+// plain walls become sky.
+constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
 constexpr double kLeastLevels = 64, kMostLevels = 256;  // among the tracks
 constexpr double kBehind = 0.7, kBefore = 2.0;  // how far the range reaches beyond the tracks' inverse depths …
 constexpr double kBeforeCompact = 1.4;          // … and where these are alike, as over flat ground or along a wall:
