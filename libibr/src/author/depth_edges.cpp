@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "author/match.h"
+#include "author/mean_frame.h"
 
 namespace ibr {
 namespace {
@@ -34,9 +35,9 @@ std::span<float> withoutOutlier(std::span<float> values) {
   return values.first(values.size() - 1);
 }
 
-class Explanation {
+class PhotoConsistency {
  public:
-  Explanation(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range)
+  PhotoConsistency(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range)
       : views_(views), range_(range) {
     for (const SweepView& view : views) maps_.push_back(frameToMember(frame, view.camera));
   }
@@ -96,7 +97,7 @@ class Explanation {
 
 void trimForegrounds(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range,
                      const ImageF& guide, ImageF& level) {
-  const Explanation explanation(frame, views, range);
+  const PhotoConsistency consistency(frame, views, range);
   // The farthest of the neighbours' levels that the pixel may have.
   const auto trimmed = [&](const ImageF& before, int x, int y) {
     const float here = before.pixel(x, y)[0];
@@ -107,8 +108,8 @@ void trimForegrounds(const Camera& frame, std::span<const SweepView> views, cons
       const float there = before.pixel(u, v)[0];
       if (there > here - kEdge || there >= best) continue;
       const bool border = std::abs(guide.pixel(u, v)[0] - guide.pixel(x, y)[0]) > kBorder;
-      if (!own) own = explanation.difference(x, y, here);
-      const float behind = explanation.difference(x, y, there);
+      if (!own) own = consistency.difference(x, y, here);
+      const float behind = consistency.difference(x, y, there);
       if (border ? behind <= kBetter * *own : behind <= kAsWell * *own + kNoise) best = there;
     }
     return best;

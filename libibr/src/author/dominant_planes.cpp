@@ -24,7 +24,8 @@ std::vector<PlaneTrack> tracksOf(std::span<const Camera> cameras, std::span<cons
     bool seen = true;
     for (std::size_t i = 0; i < cameras.size() && seen; ++i) {
       const Camera& camera = cameras[i];
-      const auto pixel = project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (point - camera.pose.position));
+      const auto pixel =
+          project(camera.intrinsics, glm::inverse(camera.pose.rotation) * (point - camera.pose.position));
       seen = pixel && (i > 0 || (pixel->x >= 0 && pixel->y >= 0 && pixel->x < camera.intrinsics.width &&
                                  pixel->y < camera.intrinsics.height));
       if (seen) track.at[i] = *pixel;

@@ -166,9 +166,15 @@ TEST_CASE("where in the world a scene stands changes nothing in its match") {
   for (MatchView& view : moved) view.camera = move(view.camera);
   const DenseMatch here = matchViews(views, mixedPoints()), there = matchViews(moved, move(mixedPoints()));
   REQUIRE(here.inverseDepth.values.size() == there.inverseDepth.values.size());
-  std::size_t other = 0;
-  for (std::size_t p = 0; p < here.inverseDepth.values.size(); ++p)
-    other += std::abs(here.inverseDepth.values[p] - there.inverseDepth.values[p]) > 0.1f * here.inverseDepthStep;
-  // Rounding turns the order of costs that are all but equal; another plane would change far more.
+  CHECK(here.good == there.good);
+  std::size_t other = 0, otherMatched = 0;
+  for (std::size_t p = 0; p < here.inverseDepth.values.size(); ++p) {
+    const bool differs =
+        std::abs(here.inverseDepth.values[p] - there.inverseDepth.values[p]) > 0.1f * here.inverseDepthStep;
+    other += differs;
+    otherMatched += differs && here.good.values[p];
+  }
+  CHECK(otherMatched == 0);
+  // What not all members see: rounding turns the order of costs that are all but equal.
   CHECK(double(other) < 0.005 * double(here.inverseDepth.values.size()));
 }
