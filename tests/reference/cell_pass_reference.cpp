@@ -155,15 +155,16 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
     weights.position[member] = weights.blend[member] = 1;
     return weights;
   };
-  for (int tier = 0; tier <= std::min(plan.settings.lowestTier, 1); ++tier)
-    for (const PlannedCell& c : cells)
-      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
-                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
-                       int(&c - cells.data()), c.extrapolationDistance, cubic});
-  if (plan.settings.lowestTier >= kTierBackdrop)
-    for (int of = 0; of <= 1; ++of)
+  for (const int tier : {kTierAgrees, kTierRejected}) {
+    if (plan.settings.lowestTier >= tier)
+      for (const PlannedCell& c : cells)
+        steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
+                         tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
+                         int(&c - cells.data()), c.extrapolationDistance, cubic});
+    if (plan.settings.lowestTier >= kTierBackdrop)
       for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, of, alone(0), 1, int(b), 0, cubic});
+        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, tier, alone(0), 1, int(b), 0, cubic});
+  }
   return steps;
 }
 

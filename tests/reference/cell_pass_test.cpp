@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GPU's picture against the double-precision twin.
+#include <algorithm>
+
 #include "reference/compare.h"
 
 using namespace ibr;
 using namespace ibr::test;
+
+namespace {
+
+// Of a picture whose alpha tells it.
+int tierAt(const Image8& picture, int x, int y) {
+  return (255 - picture.pixel(x, y)[3]) / 64;
+}
+
+}  // namespace
 
 TEST_CASE("the cell pass shows what its twin computes") {
   for (std::size_t members : {2u, 3u, 4u}) {
@@ -71,6 +82,25 @@ TEST_CASE("cells that dissolve, mixed blending, backdrops") {
   compareWithTwin(stage, plan, 0.25, 0.1);  // noise leaves few pixels without a neighbour of another step
   const Image8 picture = stage.render(plan);
   CHECK(picture.pixel(160, 60)[3] != 0);
+}
+
+TEST_CASE("backdrops that agree come before what cells rejected, which comes before what closes backdrops") {
+  SyntheticOptions options = place(3);
+  for (const bool closing : {false, true}) {
+    SyntheticScene place = makeScene(options);
+    addBackdrops(place, options);
+    for (Cell& cell : place.scene.cells) std::ranges::fill(cell.mesh.tier, std::uint8_t(kTierRejected));
+    if (closing)
+      for (Cell& backdrop : place.scene.backdrops) std::ranges::fill(backdrop.mesh.tier, std::uint8_t(kTierRejected));
+    const Stage stage(testDevice(), place);
+    const Camera view = cameraAt({0.4, 0.25, 0.1});
+    for (const DrawOrder order : {DrawOrder::ours, DrawOrder::paper}) {
+      INFO("closing " << closing << ", order " << int(order));
+      RenderSettings settings = withTiers();
+      settings.order = order;
+      CHECK(tierAt(stage.render(view, settings), 160, 120) == (closing ? kTierRejected : kTierBackdrop));
+    }
+  }
 }
 
 TEST_CASE("while a switch is mixed both orders show") {

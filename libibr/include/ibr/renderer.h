@@ -180,7 +180,7 @@ struct PlannedCell {
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
   bool colourNeeded = true;                     // something that shows may go through its colour table
-  bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: better cells cover them for certain
+  bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: what is better covers them for certain
 };
 
 /// A cell as a frame shows it in its order.

@@ -178,18 +178,18 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
   }
-  // Tier 1 is drawn from one member, which moves its vertices. What leaves is drawn besides, and hides nothing.
-  for (PlannedCell& planned : plan.cells) {
-    PlannedCell alone;
-    for (PlannedCell::View& view : alone.view) view.position = planned.single;
-    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
-  }
   PlannedCell single;
   for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
   for (const std::uint32_t b : plan.backdrops) {
     plan.backdropsHidden.push_back(hidden(scene.backdrops[b], bounds.backdrops[b], single, Morph::ours));
     for (std::size_t v = 0; !plan.backdropsHidden.back() && v < views.size(); ++v)
       views[v].draw(scene.backdrops[b], bounds.backdrops[b], single.view[v].position, Morph::ours);
+  }
+  // Tier 1 is drawn from one member, which moves its vertices. What leaves is drawn besides, and hides nothing.
+  for (PlannedCell& planned : plan.cells) {
+    PlannedCell alone;
+    for (PlannedCell::View& view : alone.view) view.position = planned.single;
+    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
   }
 }
 

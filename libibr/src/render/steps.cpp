@@ -39,17 +39,20 @@ Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, 
     add(scene.cells[cell.cell], kTierAgrees, kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
         cell.extrapolationDistance, cell.hidden);
   });
+  const auto addBackdrops = [&](Tier of) {
+    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+      add(scene.backdrops[plan.backdrops[b]], of, kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
+          plan.colour.backdropSlots[b], std::uint32_t(b), 0.0,
+          b < plan.backdropsHidden.size() && plan.backdropsHidden[b] != 0);
+  };
+  const bool backdrops = plan.settings.lowestTier >= kTierBackdrop;
+  if (backdrops) addBackdrops(kTierAgrees);
   if (plan.settings.lowestTier >= kTierRejected)
     forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
       add(scene.cells[cell.cell], kTierRejected, kTierRejected, {cell.single, cell.single}, cell.opacity, c,
           cell.colourSlot, rank, cell.extrapolationDistance, cell.rejectedHidden);
     });
-  if (plan.settings.lowestTier >= kTierBackdrop)
-    for (const Tier of : {kTierAgrees, kTierRejected})
-      for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-        add(scene.backdrops[plan.backdrops[b]], of, kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-            plan.colour.backdropSlots[b], std::uint32_t(b), 0.0,
-            b < plan.backdropsHidden.size() && plan.backdropsHidden[b] != 0);
+  if (backdrops) addBackdrops(kTierRejected);
   return steps;
 }
 

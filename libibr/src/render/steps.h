@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; then all of tier 1, each cell from its best member alone; then backdrops (tier 2),
-//   first what they have of tier 0, then what closes them across depth edges; cells that leave at the places that they
-//   had
+//   all of tier 0, main cell first; then what backdrops (tier 2) have of tier 0: their depths are those of all cells
+//   together, so they are right more often than a triangle that its own cell rejected; then all of tier 1, each cell
+//   from its best member alone; then what closes backdrops across depth edges. Cells that leave stand at the places
+//   that they had
 #pragma once
 
 #include <array>
