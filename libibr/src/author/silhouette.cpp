@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/bilinear.h"
+
 namespace ibr {
 namespace {
 
