@@ -162,8 +162,9 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
                          tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
                          int(&c - cells.data()), c.extrapolationDistance, cubic});
     if (plan.settings.lowestTier >= kTierBackdrop)
-      for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-        steps.push_back({scene, scene.backdrops[plan.backdrops[b]], plan, kTierBackdrop, tier, alone(0), 1, int(b), 0, cubic});
+      for (const PlannedBackdrop& b : plan.backdrops)
+        steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), b.opacity,
+                         int(&b - plan.backdrops.data()), 0, cubic});
   }
   return steps;
 }

@@ -103,6 +103,34 @@ TEST_CASE("backdrops that agree come before what cells rejected, which comes bef
   }
 }
 
+TEST_CASE("a backdrop that fades lets what is behind it through") {
+  SyntheticOptions options = place(4);
+  SyntheticScene place = makeScene(options);
+  addBackdrops(place, options);
+  const Stage stage(testDevice(), place);
+  FramePlan plan = stage.plan(cameraAt({0.4, 0.25, 0.1}), withTiers());
+  plan.cells.clear();
+  const auto with = [&](std::vector<PlannedBackdrop> backdrops) {
+    plan.backdrops = std::move(backdrops);
+    return stage.render(plan);
+  };
+  const Image8 front = with({{0}}), behind = with({{1}}), half = with({{0, 0.5}, {1}});
+  std::size_t differ = 0, fromFront = 0, fromBehind = 0;
+  for (int y = 40; y < half.height - 40; ++y)
+    for (int x = 40; x < half.width - 40; ++x) {
+      const auto same = [&](const Image8& a, const Image8& b) {
+        return std::ranges::equal(a.pixel(x, y), b.pixel(x, y));
+      };
+      if (same(front, behind)) continue;
+      ++differ;
+      fromFront += same(half, front);
+      fromBehind += same(half, behind);
+    }
+  REQUIRE(differ > 1000);
+  CHECK(fromFront + fromBehind == differ);
+  CHECK(double(fromFront) / double(differ) == Approx(0.5).margin(0.1));
+}
+
 TEST_CASE("while a switch is mixed both orders show") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};

@@ -81,8 +81,8 @@ enum class AlphaContent : std::uint8_t {
 
 /// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
-inline constexpr std::uint32_t kLargestLeavingCount = 16;  // besides, for a moment after the order changed
-inline constexpr std::uint32_t kLargestBackdropCount = 64;
+inline constexpr std::uint32_t kLargestLeavingCount = 16;   // cells besides, for a moment after the order changed
+inline constexpr std::uint32_t kLargestBackdropCount = 64;  // and as many besides
 inline constexpr std::uint32_t kColourSlotCount =
     2 * (kLargestCellCount + kLargestLeavingCount);  // of a frame's cells and of those before it
 
@@ -183,22 +183,30 @@ struct PlannedCell {
   bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: what is better covers them for certain
 };
 
-/// A cell as a frame shows it in its order.
-struct ShownCell {
-  std::uint32_t cell = 0;
+/// A photograph's backdrop mesh, drawn behind tier 0. One that changes its place is there twice for a while.
+struct PlannedBackdrop {
+  std::uint32_t backdrop = 0;                   // index into Scene::backdrops
+  double opacity = 1;                           // below 1 while the order changes
+  std::uint32_t colourSlot = kColourSlotCount;  // of the best cell that shows its photograph
+  bool hidden = false;                          // what is better covers it for certain
+};
+
+/// A cell, or a backdrop, as a frame shows it in its order.
+struct ShownMesh {
+  std::uint32_t mesh = 0;  // its index
   double opacity = 1;    // of a fade after the order changed
   bool leaving = false;  // it has another place by now, or none
-  bool operator==(const ShownCell&) const = default;
+  bool operator==(const ShownMesh&) const = default;
 };
 
 /// What a plan remembers of the frames before. Start from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;         // index of the last main cell, −1 if none
-  std::vector<ShownCell> shown;       // in the last frame, best first
-  std::vector<std::uint32_t> hidden;  // cells that were in view and too many, ascending
+  std::int64_t mainCell = -1;                                           // index of the last main cell, −1 if none
+  std::vector<ShownMesh> cells, backdrops;                              // in the last frame, best first
+  std::vector<std::uint32_t> hiddenCells, hiddenBackdrops;              // that were in view and too many, ascending
   std::vector<std::pair<std::uint32_t, std::array<double, 4>>> single;  // cells of the last frame, ascending, and
                                                                         // PlannedCell::single
-  std::vector<ShownCell> former;          // before the last switch of the main cell, best first
+  std::vector<ShownMesh> former;          // cells before the last switch of the main cell, best first
   double secondsSinceSwitch = 0;          // of that switch
   std::vector<std::int64_t> colourSlots;  // cell of each slot, −1 if none
   double colourFade = 0;                  // seconds until the main cell's table is the identity
@@ -213,24 +221,22 @@ struct LeavingCell {
 
 /// How tables move in this frame.
 struct ColourPlan {
-  bool counted = true;                       // histograms are made; else tables go on to where they were going
-  bool mainMapped = false;                   // the main cell's table is not the identity yet
-  double mainShare = 1;                      // of its way to the identity that the main cell's table goes
-  double share = 1;                          // of their way that the others' go
-  double largestStep = 255;                  // levels, of the others
-  std::vector<std::uint32_t> backdropSlots;  // as FramePlan::backdrops
+  bool counted = true;       // histograms are made; else tables go on to where they were going
+  bool mainMapped = false;   // the main cell's table is not the identity yet
+  double mainShare = 1;      // of its way to the identity that the main cell's table goes
+  double share = 1;          // of their way that the others' go
+  double largestStep = 255;  // levels, of the others
 };
 
 /// One frame, decided. Plain data: it may be kept, compared, sent elsewhere.
 struct FramePlan {
   std::vector<Camera> views;
   RenderSettings settings;
-  std::vector<PlannedCell> cells;             // best first; the first is the main cell
-  std::vector<LeavingCell> leaving;           // what is drawn besides, by place
-  std::vector<std::uint32_t> backdrops;       // indices into Scene::backdrops, best first
-  std::vector<std::uint8_t> backdropsHidden;  // as backdrops: 1 where better ones cover it for certain; may be empty
-  std::vector<PlannedCell> former;  // while a switch is mixed: what is drawn in the order before it; else empty
-  double formerWeight = 0;          // of the picture of `former` in the mixture, 0 … 1
+  std::vector<PlannedCell> cells;          // best first; the first is the main cell
+  std::vector<LeavingCell> leaving;        // what is drawn besides, by place
+  std::vector<PlannedBackdrop> backdrops;  // best first, those that leave among them
+  std::vector<PlannedCell> former;         // while a switch is mixed: what is drawn in the order before it; else empty
+  double formerWeight = 0;                 // of the picture of `former` in the mixture, 0 … 1
   ColourPlan colour;
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
@@ -245,7 +251,7 @@ struct FramePlan {
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
 /// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes
-/// of the order behind the main cell: what changes its place fades there.
+/// of the order behind the main cell, or of backdrops: what changes its place fades there.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
@@ -269,7 +275,7 @@ struct RendererOptions {
                                 VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours, DrawOrder::paper};
   std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
-  bool dissolve = true;     // cells' opacities may be below 1
+  bool dissolve = true;     // opacities may be below 1
   double largestScale = 0;  // of RenderSettings::renderScale; 0: all is drawn at the target's size
 };
 

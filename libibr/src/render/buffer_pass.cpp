@@ -64,7 +64,7 @@ BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells
       }
   };
   for (const GpuScene::State::Mesh& cell : cells.scene().cells) require(cell, requirements.dissolve);
-  for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(backdrop, false);
+  for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(backdrop, requirements.dissolve);
 }
 
 void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,

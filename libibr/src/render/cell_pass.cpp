@@ -71,7 +71,7 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
           }
   };
   for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, options.dissolve);
-  for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, false);
+  for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, options.dissolve);
 }
 
 std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {

@@ -50,9 +50,8 @@ std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::u
 void markNeeded(FramePlan& plan) {
   for (PlannedCell& cell : plan.cells) {
     cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || plan.formerWeight > 0 || !plan.leaving.empty();
-    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      if (plan.colour.backdropSlots[b] == cell.colourSlot && (plan.backdropsHidden.empty() || !plan.backdropsHidden[b]))
-        cell.colourNeeded = true;
+    for (const PlannedBackdrop& backdrop : plan.backdrops)
+      if (backdrop.colourSlot == cell.colourSlot && !backdrop.hidden) cell.colourNeeded = true;
     if (!cell.colourNeeded && cell.colourFresh) plan.next.colourSlots[cell.colourSlot] = kNobody;
   }
 }
@@ -62,7 +61,6 @@ void markNeeded(FramePlan& plan) {
 void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
   const RenderSettings& settings = plan.settings;
   ColourPlan& colour = plan.colour;
-  colour.backdropSlots.assign(plan.backdrops.size(), kColourSlotCount);
   if (settings.colourMapping == ColourMapping::off) return;
   const bool ours = settings.colourMapping == ColourMapping::ours;
   if (!ours) {  // the paper's sequence has one order in one picture
@@ -71,9 +69,8 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
     plan.formerWeight = 0;
   }
   assignSlots(state, plan);
-  for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-    colour.backdropSlots[b] = slotOfPhotograph(scene, plan, scene.backdrops[plan.backdrops[b]].members[0]);
-
+  for (PlannedBackdrop& backdrop : plan.backdrops)
+    backdrop.colourSlot = slotOfPhotograph(scene, plan, scene.backdrops[backdrop.backdrop].members[0]);
   markNeeded(plan);
   const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
   const double left = switched ? settings.colourFadeSeconds : state.colourFade;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -86,7 +87,7 @@ class Planner {
   FramePlan run() {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
     chooseCells();
-    fadeChanges();
+    fadeCells();
     planBackdrops();
     // The paper draws all of its cells, and counts their colours.
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
@@ -189,8 +190,8 @@ class Planner {
 
   std::vector<Candidate> candidates(std::vector<PlannedCell>& inView) {
     std::map<std::uint32_t, std::int64_t> rank;
-    for (const ShownCell& shown : state_.shown)
-      if (!shown.leaving) rank.emplace(shown.cell, std::int64_t(rank.size()));
+    for (const ShownMesh& shown : state_.cells)
+      if (!shown.leaving) rank.emplace(shown.mesh, std::int64_t(rank.size()));
     std::vector<Candidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
       const double size = bounds_.cells[c].size;
@@ -229,8 +230,8 @@ class Planner {
     });
     const std::size_t kept = std::min<std::size_t>({all.size(), settings_.maxCells, kLargestCellCount});
     plan_.culledByCount = std::uint32_t(all.size() - kept);
-    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hidden.push_back(all[i].cell);
-    std::ranges::sort(plan_.next.hidden);
+    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hiddenCells.push_back(all[i].cell);
+    std::ranges::sort(plan_.next.hiddenCells);
     all.resize(kept);
     std::ranges::stable_sort(all, {}, &Candidate::rank);
     for (std::size_t i = 1; i < all.size(); ++i)
@@ -244,31 +245,35 @@ class Planner {
   bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
 
   // A cell that is drawn where the order before had it.
-  std::optional<PlannedCell> plannedAgain(const ShownCell& shown) const {
-    if (shown.cell >= scene_.cells.size()) return std::nullopt;  // another scene's state
-    const Cell& cell = scene_.cells[shown.cell];
-    const CellBounds& bounds = bounds_.cells[shown.cell];
-    PlannedCell again = planned(shown.cell, cellDistance(scene_, cell, bounds.size, middle_));
+  std::optional<PlannedCell> plannedAgain(const ShownMesh& shown) const {
+    if (shown.mesh >= scene_.cells.size()) return std::nullopt;  // another scene's state
+    const Cell& cell = scene_.cells[shown.mesh];
+    const CellBounds& bounds = bounds_.cells[shown.mesh];
+    PlannedCell again = planned(shown.mesh, cellDistance(scene_, cell, bounds.size, middle_));
     again.opacity *= shown.opacity;
     if (!visible(cell, bounds, again, settings_.morph)) return std::nullopt;
     return again;
   }
 
-  // What changes behind the main cell fades; a switch of it is mixed, which hides all other changes.
-  void fadeChanges() {
-    std::vector<std::uint32_t> order;
-    for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
-    // The paper's sequence of colours has no copies of a cell.
+  // Of a fade after the order changed, that this frame goes. The paper's sequence of colours has no copies of a mesh.
+  double fadeStep() const {
     const bool sequence =
         settings_.colourMapping == ColourMapping::paper || settings_.colourMapping == ColourMapping::paperRedraw;
-    const bool cut = switched() || sequence || !(settings_.switchSeconds > 0);
-    const WantedOrder wanted{order, [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hidden, cell); },
+    return sequence || !(settings_.switchSeconds > 0) ? 1.0 : dt_ / settings_.switchSeconds;
+  }
+
+  // What changes behind the main cell fades; a switch of it is mixed, which hides all other changes.
+  void fadeCells() {
+    std::vector<std::uint32_t> order;
+    for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
+    const WantedOrder wanted{order,
+                             [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hiddenCells, cell); },
                              [&](std::uint32_t cell) {
                                return plannedAgain({cell, 1.0, false}).has_value();
                              }};
-    plan_.next.shown = showCells(state_.shown, wanted, cut ? 1.0 : dt_ / settings_.switchSeconds);
+    plan_.next.cells = showMeshes(state_.cells, wanted, switched() ? 1.0 : fadeStep());
     std::uint32_t place = 0;
-    for (const ShownCell& shown : plan_.next.shown) {
+    for (const ShownMesh& shown : plan_.next.cells) {
       if (!shown.leaving)
         plan_.cells[place++].opacity *= shown.opacity;
       else if (const auto leaving = plannedAgain(shown))
@@ -276,16 +281,19 @@ class Planner {
     }
   }
 
+  bool backdropVisible(std::uint32_t backdrop) const {
+    PlannedCell single;  // as it is drawn
+    for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
+    return visible(scene_.backdrops[backdrop], bounds_.backdrops[backdrop], single, Morph::ours);
+  }
+
   // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
   void planBackdrops() {
     if (settings_.lowestTier < kTierBackdrop) return;
     std::vector<BackdropCandidate> candidates;
     for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
-      const Cell& backdrop = scene_.backdrops[b];
-      const Pose& pose = scene_.nodes[backdrop.members[0]].camera.pose;
-      PlannedCell single;
-      for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-      if (!visible(backdrop, bounds_.backdrops[b], single, Morph::ours)) continue;  // as it is drawn
+      if (!backdropVisible(b)) continue;
+      const Pose& pose = scene_.nodes[scene_.backdrops[b].members[0]].camera.pose;
       const glm::dvec3 axis = viewAxis(pose), forward = viewAxis(middle_);
       candidates.push_back({b, glm::distance(pose.position, middle_.position),
                             std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward))});
@@ -295,23 +303,37 @@ class Planner {
       if (a.angle != b.angle) return a.angle < b.angle;
       return identity(scene_, scene_.backdrops[a.backdrop]) < identity(scene_, scene_.backdrops[b.backdrop]);
     });
-    plan_.backdrops = chooseBackdrops(scene_, bounds_, plan_.views, candidates,
-                                      std::min(settings_.maxBackdrops, kLargestBackdropCount));
+    fadeBackdrops(candidates, chooseBackdrops(scene_, bounds_, plan_.views, candidates,
+                                              std::min(settings_.maxBackdrops, kLargestBackdropCount)));
     if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
       plan_.nearDistance = 0.05 * candidates[0].distance;
+  }
+
+  void fadeBackdrops(const std::vector<BackdropCandidate>& candidates, std::vector<std::uint32_t> chosen) {
+    std::vector<std::uint32_t> inView;
+    for (const BackdropCandidate& candidate : candidates) inView.push_back(candidate.backdrop);
+    std::ranges::sort(inView);
+    const auto visible = [&](std::uint32_t b) { return std::ranges::binary_search(inView, b); };
+    const auto wasHidden = [&](std::uint32_t b) { return std::ranges::binary_search(state_.hiddenBackdrops, b); };
+    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount});
+    std::ranges::copy_if(inView, std::back_inserter(plan_.next.hiddenBackdrops),
+                         [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
+    plan_.next.backdrops =
+        showMeshes(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount}, fadeStep());
+    for (const ShownMesh& shown : plan_.next.backdrops) plan_.backdrops.push_back({shown.mesh, shown.opacity});
   }
 
   void mixSwitch() {
     PlanState& next = plan_.next;
     if (switched() && settings_.switchSeconds > 0) {
-      next.former = state_.shown;  // the frame in which the switch happens still shows the former picture
+      next.former = state_.cells;  // the frame in which the switch happens still shows the former picture
       next.secondsSinceSwitch = 0;
     } else if (mixing_) {
       next.former = state_.former;
       next.secondsSinceSwitch = seconds_;
     }
     if (next.former.empty()) return;
-    for (const ShownCell& shown : next.former)
+    for (const ShownMesh& shown : next.former)
       if (const auto cell = plannedAgain(shown)) plan_.former.push_back(*cell);
     const double share = next.secondsSinceSwitch / settings_.switchSeconds;
     plan_.formerWeight = 1.0 - share * share * (3.0 - 2.0 * share);

@@ -128,7 +128,7 @@ void forDrawn(const FramePlan& plan, Meshes& cells, Meshes& backdrops, Visit&& v
   for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
   for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
   for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
-  for (const std::uint32_t backdrop : plan.backdrops) visit(backdrops[backdrop]);
+  for (const PlannedBackdrop& backdrop : plan.backdrops) visit(backdrops[backdrop.backdrop]);
 }
 
 WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {

@@ -180,10 +180,13 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
   }
   PlannedCell single;
   for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-  for (const std::uint32_t b : plan.backdrops) {
-    plan.backdropsHidden.push_back(hidden(scene.backdrops[b], bounds.backdrops[b], single, Morph::ours));
-    for (std::size_t v = 0; !plan.backdropsHidden.back() && v < views.size(); ++v)
-      views[v].draw(scene.backdrops[b], bounds.backdrops[b], single.view[v].position, Morph::ours);
+  for (PlannedBackdrop& planned : plan.backdrops) {
+    const Cell& backdrop = scene.backdrops[planned.backdrop];
+    const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
+    planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
+    if (planned.hidden || planned.opacity < 1) continue;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
   }
   // Tier 1 is drawn from one member, which moves its vertices. What leaves is drawn besides, and hides nothing.
   for (PlannedCell& planned : plan.cells) {

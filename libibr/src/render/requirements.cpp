@@ -42,7 +42,7 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.colourSequence = r.colourTables && options.colour == ColourSupport::all;
   r.depthOrder = any && has(options.orders, DrawOrder::ours);
   r.painters = any && (has(options.orders, DrawOrder::paper) || r.colourSequence);
-  r.dissolve = r.cells > 0 && options.dissolve;
+  r.dissolve = any && options.dissolve;
   r.noise = r.dissolve || r.colourSequence ||  // whose counting chooses pixels by it
             (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
   r.switchMixing = several && options.switchMixing;
@@ -54,7 +54,7 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.floor = options.floor;
   const std::uint32_t leaving = r.cells > 0 ? kLargestLeavingCount : 0;
   r.steps = (std::min(r.cells, kLargestCellCount) + leaving) * (r.rejected ? 2 : 1) +
-            std::min(r.backdrops, kLargestBackdropCount) * (r.stretched ? 2 : 1);
+            std::min(r.backdrops, kLargestBackdropCount) * (r.dissolve ? 2 : 1) * (r.stretched ? 2 : 1);
   return r;
 }
 
@@ -81,8 +81,8 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("painter's order", r.painters,
       r.painters ? (r.colourSequence ? "the paper's colour mapping draws so" : "the paper's order was asked for")
                  : "not asked for");
-  add("fading of far cells", r.dissolve,
-      r.dissolve ? "cells dissolve before the extrapolation limit" : "not asked for, or no cells");
+  add("dissolving", r.dissolve,
+      r.dissolve ? "what changes its place, or is far, fades" : "not asked for, or nothing to draw");
   add("blue noise", r.noise, r.noise ? "something dithers or dissolves" : "nothing dithers or dissolves");
   const char* const alone = "one cell or none: nothing to switch to or to adapt to";
   add("mixing of switches", r.switchMixing,

@@ -40,10 +40,11 @@ Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, 
         cell.extrapolationDistance, cell.hidden);
   });
   const auto addBackdrops = [&](Tier of) {
-    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      add(scene.backdrops[plan.backdrops[b]], of, kTierBackdrop, alone(0), 1.0, std::uint32_t(b),
-          plan.colour.backdropSlots[b], std::uint32_t(b), 0.0,
-          b < plan.backdropsHidden.size() && plan.backdropsHidden[b] != 0);
+    for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b) {
+      const PlannedBackdrop& backdrop = plan.backdrops[b];
+      add(scene.backdrops[backdrop.backdrop], of, kTierBackdrop, alone(0), backdrop.opacity, b, backdrop.colourSlot, b,
+          0.0, backdrop.hidden);
+    }
   };
   const bool backdrops = plan.settings.lowestTier >= kTierBackdrop;
   if (backdrops) addBackdrops(kTierAgrees);

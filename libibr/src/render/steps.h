@@ -17,7 +17,7 @@
 namespace ibr {
 
 inline constexpr std::uint32_t kLargestStepCount =
-    2 * (kLargestCellCount + kLargestLeavingCount + kLargestBackdropCount);
+    2 * (kLargestCellCount + kLargestLeavingCount + 2 * kLargestBackdropCount);
 
 inline constexpr std::uint32_t kNoCell = ~0u;
 

@@ -56,7 +56,7 @@ WireframePass::WireframePass(const Device& device, const CellPass& cells, VkRend
         }
   };
   for (const GpuScene::State::Mesh& cell : scene.cells) require(cell, requirements.dissolve);
-  for (const GpuScene::State::Mesh& backdrop : scene.backdrops) require(backdrop, false);
+  for (const GpuScene::State::Mesh& backdrop : scene.backdrops) require(backdrop, requirements.dissolve);
 }
 
 void WireframePass::draw(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,

@@ -147,11 +147,12 @@ TEST_CASE("a backdrop takes the table of the best cell that shows its photograph
   scene.cells[2].members = {3, 2};
   for (std::uint32_t n = 0; n < 5; ++n) scene.backdrops.emplace_back().members = {n};
   FramePlan plan = planOf({2, 1});
-  plan.backdrops = {4, 3, 2, 1, 0};
+  for (const std::uint32_t b : {4u, 3u, 2u, 1u, 0u}) plan.backdrops.push_back({b});
   plan = colours(plan, 0, {}, scene);
   const std::uint32_t first = plan.cells[0].colourSlot, second = plan.cells[1].colourSlot;
-  CHECK(plan.colour.backdropSlots ==
-        std::vector<std::uint32_t>{kColourSlotCount, first, first, second, kColourSlotCount});
+  std::vector<std::uint32_t> slots;
+  for (const PlannedBackdrop& backdrop : plan.backdrops) slots.push_back(backdrop.colourSlot);
+  CHECK(slots == std::vector<std::uint32_t>{kColourSlotCount, first, first, second, kColourSlotCount});
 }
 
 TEST_CASE("colours are counted every few frames, and at once where a cell is new") {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -322,10 +323,10 @@ TEST_CASE("backdrops: nearest first, then by direction, no more than the setting
   const FramePlan plan = planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1));
   REQUIRE(plan.backdrops.size() >= 8);  // of 36
   CHECK(plan.backdrops.size() <= 12);
-  CHECK(scene.nodes[scene.backdrops[plan.backdrops[0]].members[0]].name == "000");
+  CHECK(scene.nodes[scene.backdrops[plan.backdrops[0].backdrop].members[0]].name == "000");
   double last = 0;
-  for (const std::uint32_t b : plan.backdrops) {
-    const Camera& camera = scene.nodes[scene.backdrops[b].members[0]].camera;
+  for (const PlannedBackdrop& b : plan.backdrops) {
+    const Camera& camera = scene.nodes[scene.backdrops[b.backdrop].members[0]].camera;
     const double distance = glm::distance(camera.pose.position, plan.views[0].pose.position);
     CHECK(distance >= last);
     last = distance;
@@ -333,6 +334,37 @@ TEST_CASE("backdrops: nearest first, then by direction, no more than the setting
   RenderSettings settings;
   settings.lowestTier = kTierRejected;
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1), settings).backdrops.empty());
+}
+
+TEST_CASE("backdrops change their order little by little, and none is missing meanwhile") {
+  Scene scene = stackedGrid();
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) scene.backdrops.push_back(cellOf(scene, {n}));
+  const SceneBounds bounds = sceneBounds(scene);
+  RenderSettings settings;
+  settings.maxBackdrops = 6;
+  settings.switchSeconds = 0.3;
+  for (const double seconds : {settings.switchSeconds, 0.0}) {
+    settings.switchSeconds = seconds;
+    PlanState state;
+    bool faded = false;
+    for (int i = 0; i < 300; ++i) {
+      const glm::dvec3 position{1 + std::sin(0.07 * i), 0, 1 + std::cos(0.05 * i)};
+      const FramePlan plan = planFrame(scene, bounds, {{cameraAt(position, 0.04 * i)}, settings, 0.03}, state);
+      REQUIRE(plan.backdrops.size() == plan.next.backdrops.size());
+      std::map<std::uint32_t, double> before, now;  // largest opacity
+      for (const ShownMesh& shown : state.backdrops) before[shown.mesh] = std::max(before[shown.mesh], shown.opacity);
+      for (const PlannedBackdrop& b : plan.backdrops) now[b.backdrop] = std::max(now[b.backdrop], b.opacity);
+      for (const auto& [backdrop, opacity] : now) {
+        if (!std::ranges::binary_search(state.hiddenBackdrops, backdrop)) continue;
+        REQUIRE(std::abs(opacity - before[backdrop]) <= (seconds > 0 ? 0.1 + 1e-9 : 1));
+      }
+      REQUIRE(plan.backdrops.size() >= std::min<std::size_t>(6, now.size()));
+      REQUIRE(std::ranges::any_of(plan.backdrops, [](const PlannedBackdrop& b) { return b.opacity == 1; }));
+      for (const PlannedBackdrop& b : plan.backdrops) faded |= b.opacity < 1;
+      state = plan.next;
+    }
+    CHECK(faded == (seconds > 0));
+  }
 }
 
 TEST_CASE("backdrops: a photograph is not left out where nothing nearer shows what it does") {
@@ -349,8 +381,8 @@ TEST_CASE("backdrops: a photograph is not left out where nothing nearer shows wh
     settings.maxBackdrops = most;
     const FramePlan plan = planOf(scene, cameraAt({0, 0, 0}), settings);
     REQUIRE(plan.backdrops.size() == most);
-    CHECK(plan.backdrops.front() == 0);  // nearest first
-    CHECK(plan.backdrops.back() == 20);
+    CHECK(plan.backdrops.front().backdrop == 0);  // nearest first
+    CHECK(plan.backdrops.back().backdrop == 20);
   }
   RenderSettings settings;
   settings.maxBackdrops = 0;
