@@ -79,13 +79,17 @@ std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
                                    side | side << 8,
                                    format.blockBytes,
                                    0};
+  // Word by word: inserting a list, GCC 12 at -O3 warns of a write beyond what was allocated, which there is not.
+  const auto addSample = [&words](std::uint32_t placeAndChannel, std::uint32_t upper) {
+    for (const std::uint32_t word : {placeAndChannel, 0u, 0u, upper}) words.push_back(word);
+  };
   if (blocks) {  // colour as a whole
-    words.insert(words.end(), {(8 * format.blockBytes - 1) << 16, 0, 0, 0xFFFFFFFF});
+    addSample((8 * format.blockBytes - 1) << 16, 0xFFFFFFFF);
     return words;
   }
   for (std::uint32_t c = 0; c < samples; ++c) {
     const std::uint32_t channel = c < 3 ? c : kAlpha | kLinear;
-    words.insert(words.end(), {8 * c | 7u << 16 | channel << 24, 0, 0, 255});
+    addSample(8 * c | 7u << 16 | channel << 24, 255);
   }
   return words;
 }
