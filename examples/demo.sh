@@ -36,12 +36,19 @@ cmake --build --preset release --target ibr_batch
 ibr=$root/build/release/apps/batch/ibr
 "$ibr" device
 
-# walk NAME FRAMES SIZE: photographs → scene → pictures, contact sheet, video
+# made FILE: whether FILE is there already, made by this program and this script
+made() { [ -n "$(find "$1" -newer "$ibr" -newer "$root/examples/demo.sh" 2>/dev/null)" ]; }
+
+# walk NAME FRAMES SIZE: photographs → scene → pictures, contact sheet, video. What is made before is kept.
 walk() {
-  scene=$output/$1/scene pictures=$output/$1/pictures
-  echo "== $1: photographs to scene"
-  "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1/build.txt"
-  tail -n 1 "$output/$1/build.txt"
+  scene=$output/$1/scene pictures=$output/$1/pictures rendered=$output/$1/pictures/.rendered
+  if ! made "$scene/scene.gltf"; then
+    echo "== $1: photographs to scene"
+    rm -f "$rendered"
+    "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1/build.txt"
+    tail -n 1 "$output/$1/build.txt"
+  fi
+  if made "$rendered"; then return; fi
   echo "== $1: scene to pictures"
   rm -rf "$pictures"
   "$ibr" render "$scene" --path "auto:$2" --size "$3" -o "$pictures"
@@ -49,6 +56,7 @@ walk() {
     -frames:v 1 -q:v 3 "$output/$1/contact-sheet.jpg" </dev/null
   ffmpeg -v error -y -framerate 30 -i "$pictures/frame_%04d.png" -pix_fmt yuv420p -crf 20 -movflags +faststart \
     "$output/$1/walk.mp4" </dev/null
+  touch "$rendered"
 }
 names="cathedral lane relief"
 for name in $names; do mkdir -p "$output/$name"; done
@@ -64,6 +72,12 @@ for name in $names; do
   echo "  video          $output/$name/walk.mp4"
   echo "  scene          $output/$name/scene"
 done
+cat <<END
+
+With photographs of your own, of one place and overlapping well:
+  $ibr build PHOTOGRAPHS -o SCENE
+  $ibr render SCENE --path auto:90 -o PICTURES
+END
 viewer=$root/build/release/apps/viewer/ibr-viewer
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -x "$viewer" ]; then
   "$viewer" "$output/cathedral/scene"

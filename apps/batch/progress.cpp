@@ -85,7 +85,7 @@ void ProgressLine::draw(const Progress& progress) {
     const int tenths = int(share * 10);
     if (tenths == tenths_) return;
     tenths_ = tenths;
-    writeBesideProgress(progress.total > 0 ? fmt::format("ibr: {}: {} %\n", progress.stage, tenths * 10)
+    writeBesideProgress(progress.total > 1 ? fmt::format("ibr: {}: {} %\n", progress.stage, tenths * 10)
                                            : fmt::format("ibr: {}\n", progress.stage));
     return;
   }

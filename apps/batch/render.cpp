@@ -75,7 +75,6 @@ ExitCode renderViews(const Options& options, const Context& context) {
   wanted.views = options.stereo ? 2 : 1;
   if (options.buffers) wanted.buffers = &scene;
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
-  context.say(LogLevel::info, "rendering on {}", renderer.deviceName());
   settings.alpha = AlphaContent::tier;
   Json written = Json::array();
   double least = 1, sum = 0;
