@@ -142,7 +142,7 @@ const Command kAccuracyCommand{
       app.add_option("SCENE", options->scene, "Scene folder")->required();
       app.add_option("--truth", options->truth, "Views with exact depth")->required()->type_name("DIR");
       addDouble(app, "--depth-unit", options->unit, 1e-9, 1e9,
-                "World units that one step of a depth picture stands for [0.01]");
+                "World units that one step of a depth picture stands for");
       app.add_flag("--cells", options->cells, "A line for each cell, too");
       return [options](const Context& context) { return measure(*options, context); };
     }};

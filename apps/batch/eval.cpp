@@ -109,7 +109,7 @@ const Command kEvalCommand{
       declareSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
       std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
-                                            "Of --leave-one-out: hold every Nth photograph out [1]")};
+                                            "Of --leave-one-out: hold every Nth photograph out")};
       only.push_back(app.add_option("--work", options->leaveOneOut.work,
                                     "Of --leave-one-out: folder for what is built; kept, so that the next run with "
                                     "other settings need not match again [a temporary one, gone at the end]")

@@ -34,7 +34,6 @@ class Builder {
       : options_(options), log_(log), jobs_(options.threads, progress) {}
 
   BuildReport run() {
-    const Stopwatch watch;
     jobs_.step("reading the model", 0, 1);
     input_ = readInput(options_, log_);
     report_.poses = posesFile(options_);
@@ -49,7 +48,6 @@ class Builder {
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
     if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
-    report_.seconds = watch.seconds();
     return std::move(report_);
   }
 
@@ -193,6 +191,7 @@ class Builder {
 }  // namespace
 
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+  const Stopwatch watch;
   BuildOptions posed = options;
   checkOptions(options);
   if (posesFile(options).empty())
@@ -200,7 +199,9 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
                                  options.output / "images"},
                                 progress, log)
                       .model;
-  return Builder(posed, progress, log).run();
+  BuildReport report = Builder(posed, progress, log).run();
+  report.seconds = watch.seconds();
+  return report;
 }
 
 }  // namespace ibr

@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::uint64_t kVersion = 1;           // of the steps: raise it when they come out differently
 constexpr std::size_t kMostExhaustive = 60;     // photographs that are all matched with each other
+constexpr std::size_t kBlocks = 8;  // of photographs, matched two by two
 constexpr std::size_t kLinesInErrors = 12;
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
@@ -192,6 +193,11 @@ class Estimator {
     std::vector<std::string> arguments{"--database_path",     file("database.db").string(), matching_ + ".use_gpu", "0",
                                        matching_ + ".num_threads", threads()};
     const bool all = names_.size() <= kMostExhaustive;
+    // COLMAP tells and keeps what it matched block by block: of one block, nothing is seen, and a stop loses all of it.
+    if (all) {
+      const std::size_t side = std::max<std::size_t>(2, (names_.size() + kBlocks - 1) / kBlocks);
+      arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
+    }
     step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments, bracketed);
   }
 

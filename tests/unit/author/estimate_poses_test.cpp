@@ -106,7 +106,8 @@ TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
   CHECK(readTextFile(place.folder / "poses/photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
   const std::string calls = readTextFile(place.folder / "calls");
   CHECK_THAT(calls, Contains("--SiftExtraction.use_gpu 0") && Contains("--SiftMatching.use_gpu 0") &&
-                        Contains("--ImageReader.single_camera 1"));
+                        Contains("--ImageReader.single_camera 1") &&
+                        Contains("--ExhaustiveMatching.block_size 2"));
   CHECK_THAT(readTextFile(place.folder / "poses/mapper.log"), Contains("Registering image #2"));
 
   // Nothing is done twice.
