@@ -21,9 +21,9 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 1;           // of the steps: raise it when they come out differently
-constexpr std::size_t kMostExhaustive = 60;     // photographs that are all matched with each other
-constexpr std::size_t kBlocks = 8;  // of photographs, matched two by two
+constexpr std::uint64_t kVersion = 1;        // of the steps: raise it when they come out differently
+constexpr std::size_t kMostExhaustive = 60;  // photographs that are all matched with each other
+constexpr std::size_t kBlocks = 8;           // of photographs, matched two by two
 constexpr std::size_t kLinesInErrors = 12;
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
@@ -82,7 +82,8 @@ class Estimator {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
     names_ = listPictures(options_.photographs);
-    std::erase_if(names_, [&](const std::string& name) { return isWithin(options_.photographs / name, options_.without); });
+    std::erase_if(names_,
+                  [&](const std::string& name) { return isWithin(options_.photographs / name, options_.without); });
     check(names_.size() >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
           options_.photographs.string(), names_.size());
     prepare();
@@ -170,7 +171,8 @@ class Estimator {
   // Version 4 has other names for what is done on a graphics card.
   void learnNames() {
     bool newer = false;
-    run({options_.program, "feature_extractor", "--help"},
+    run(
+        {options_.program, "feature_extractor", "--help"},
         [&](std::string_view text) { newer = newer || text.find("FeatureExtraction.use_gpu") != text.npos; },
         [&] { return wanted(kFeatures, 0, names_.size()); });
     extraction_ = newer ? "--FeatureExtraction" : "--SiftExtraction";
@@ -190,7 +192,8 @@ class Estimator {
   }
 
   void matchFeatures() {
-    std::vector<std::string> arguments{"--database_path",     file("database.db").string(), matching_ + ".use_gpu", "0",
+    std::vector<std::string> arguments{"--database_path",          file("database.db").string(),
+                                       matching_ + ".use_gpu",     "0",
                                        matching_ + ".num_threads", threads()};
     const bool all = names_.size() <= kMostExhaustive;
     // COLMAP tells and keeps what it matched block by block: of one block, nothing is seen, and a stop loses all of it.
@@ -202,16 +205,28 @@ class Estimator {
   }
 
   void estimate() {
+    estimateOnce({});
+    if (!fs::is_empty(file("sparse"))) return;
+    // COLMAP begins with two photographs side by side; on a walk straight ahead there are none.
+    if (log_)
+      log_(LogLevel::info,
+           "COLMAP found no two photographs to begin with: once more, with such as lie one behind the other");
+    fs::remove(file("mapper.done"));
+    estimateOnce({"--Mapper.init_max_forward_motion", "1", "--Mapper.init_min_tri_angle", "4"});
+  }
+
+  void estimateOnce(const std::vector<std::string>& more) {
     fs::remove_all(file("sparse"));  // a half-finished one is begun anew
     makeFolders(file("sparse"));
-    step("mapper", kMapping,
-         {"--database_path", file("database.db").string(), "--image_path", options_.photographs.string(),
-          "--output_path", file("sparse").string(), "--Mapper.num_threads", threads()},
-         [this](std::string_view text) -> std::optional<Count> {
-           const auto done = registered(text);
-           if (!done) return std::nullopt;
-           return Count{*done, names_.size()};
-         });
+    std::vector<std::string> arguments{
+        "--database_path", file("database.db").string(), "--image_path",         options_.photographs.string(),
+        "--output_path",   file("sparse").string(),      "--Mapper.num_threads", threads()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    step("mapper", kMapping, arguments, [this](std::string_view text) -> std::optional<Count> {
+      const auto done = registered(text);
+      if (!done) return std::nullopt;
+      return Count{*done, names_.size()};
+    });
   }
 
   PoseReport largestModel() const {
@@ -229,15 +244,17 @@ class Estimator {
       report.points = model.tracks.size();
     }
     check(report.registered > 0, ErrorCode::invalidInput,
-          "{}: COLMAP found no poses: these photographs share too little of what they show. Its words are in {}",
+          "{}: COLMAP found no poses: these photographs share too little of what they show, or were taken too near one "
+          "another. Its words are in {}",
           options_.photographs.string(), file("mapper.log").string());
     if (log_) {
       log_(LogLevel::info, fmt::format("COLMAP registered {} of {} photographs, with {} points: {}", report.registered,
                                        report.photographs, report.points, report.model.string()));
       if (folders.size() > 1)
-        log_(LogLevel::warning, fmt::format("the photographs fall into {} groups that share nothing: only the largest is "
-                                            "used",
-                                            folders.size()));
+        log_(LogLevel::warning,
+             fmt::format("the photographs fall into {} groups that share nothing: only the largest is "
+                         "used",
+                         folders.size()));
     }
     return report;
   }

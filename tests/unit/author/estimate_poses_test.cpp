@@ -187,6 +187,15 @@ TEST_CASE("without the program, without photographs, without poses") {
   CHECK_THAT(test::errorOf([&] { estimatePoses(place.options()); }).what(), Contains("found no poses"));
 }
 
+TEST_CASE("photographs of a walk straight ahead are given a second chance") {
+  const Place place;
+  place.touch("AHEAD-mapper");
+  CHECK(estimatePoses(place.options()).registered == 3);
+  CHECK(place.calls() == Calls{"feature_extractor", "exhaustive_matcher", "mapper", "mapper"});
+  CHECK(estimatePoses(place.options()).registered == 3);
+  CHECK(place.calls().size() == 4);
+}
+
 TEST_CASE("programs are run with their words read line by line") {
   std::vector<std::string> lines;
   const auto keep = [&](std::string_view line) { lines.emplace_back(line); };

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Stands for the program colmap in tests: says what COLMAP says, and copies FAKE_COLMAP/models to where models go.
-# FAKE_COLMAP also holds what it was called with (calls), and may hold FAIL-COMMAND, NONE-COMMAND and
-# SLEEP-COMMAND.
+# FAKE_COLMAP also holds what it was called with (calls), and may hold FAIL-COMMAND, NONE-COMMAND, SLEEP-COMMAND, and
+# AHEAD-COMMAND: NONE unless it may begin with photographs one behind the other.
 set -eu
 command=$1
 if [ "${2:-}" = --help ]; then
@@ -25,7 +25,11 @@ if [ -e "$FAKE_COLMAP/FAIL-$command" ]; then
   echo "E20250101 mapper.cc:12] no good initial pair" >&2
   exit 3
 fi
-if [ -e "$FAKE_COLMAP/NONE-$command" ]; then
+none=
+if [ -e "$FAKE_COLMAP/AHEAD-$command" ]; then
+  case "$*" in *"init_max_forward_motion 1 "*) ;; *) none=1 ;; esac
+fi
+if [ "$none" ] || [ -e "$FAKE_COLMAP/NONE-$command" ]; then
   echo "ERROR: failed to create sparse model"
   exit 1
 fi
