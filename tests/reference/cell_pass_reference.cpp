@@ -17,6 +17,7 @@
 
 #include "image/blue_noise.h"
 #include "reference/morph.h"
+#include "render/steps.h"
 #include "shared/cell.h"
 #include "shared/panorama.h"
 
@@ -155,17 +156,21 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
     weights.position[member] = weights.blend[member] = 1;
     return weights;
   };
-  for (const int tier : {kTierAgrees, kTierRejected}) {
-    if (plan.settings.lowestTier >= tier)
-      for (const PlannedCell& c : cells)
-        steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
-                         tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
-                         int(&c - cells.data()), c.extrapolationDistance, cubic});
-    if (plan.settings.lowestTier >= kTierBackdrop)
-      for (const PlannedBackdrop& b : plan.backdrops)
-        steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), b.opacity,
+  const auto addBackdrops = [&](int tier, const auto& shareOf) {
+    for (const PlannedBackdrop& b : plan.backdrops)
+      if (const double share = shareOf(b); plan.settings.lowestTier >= kTierBackdrop && share > 0)
+        steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), share * b.opacity,
                          int(&b - plan.backdrops.data()), 0, cubic});
-  }
+  };
+  for (const int tier : {kTierAgrees, kTierRejected})
+    for (const PlannedCell& c : cells) {
+      if (plan.settings.lowestTier < tier) break;
+      if (tier == kTierAgrees) addBackdrops(tier, [&](const PlannedBackdrop& b) { return shareBefore(plan, b, c); });
+      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
+                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
+                       int(&c - cells.data()), c.extrapolationDistance, cubic});
+    }
+  for (const int tier : {kTierAgrees, kTierRejected}) addBackdrops(tier, [](const PlannedBackdrop&) { return 1.0; });
   return steps;
 }
 

@@ -174,6 +174,7 @@ struct PlannedCell {
   std::uint32_t cell = 0;                       // index into Scene::cells
   double extrapolationDistance = 0;             // world units, from the middle of the views; 0 inside ([T] §2.5.2)
   double rotationalDistance = 0;                // radians, likewise
+  double photographDistance = 0;                // of those that it shows, world units, likewise: RMS, as they are blended
   double opacity = 1;                           // below 1 near the extrapolation limit, and while the order changes
   std::array<double, 4> single{};               // weights of tier 1: one member alone, but while that becomes another
   std::array<View, 2> view;                     // weights by view
@@ -183,10 +184,12 @@ struct PlannedCell {
   bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: what is better covers them for certain
 };
 
-/// A photograph's backdrop mesh, drawn behind tier 0. One that changes its place is there twice for a while.
+/// A photograph's backdrop mesh, drawn after all cells, or before those that show photographs from much further away.
+/// One that changes its place among the others is there twice for a while.
 struct PlannedBackdrop {
   std::uint32_t backdrop = 0;                   // index into Scene::backdrops
   double opacity = 1;                           // below 1 while the order changes
+  double distance = 0;                          // of its photograph from the middle of the views, world units
   std::uint32_t colourSlot = kColourSlotCount;  // of the best cell that shows its photograph
   bool hidden = false;                          // what is better covers it for certain
 };

@@ -29,8 +29,9 @@ struct Node {
 /// What a triangle is good for (ARCHITECTURE §5, "Tiers").
 enum Tier : std::uint8_t {
   kTierAgrees = 0,    // agrees in all members: blended as [T] says
-  kTierRejected = 1,  // rejected by a filter: drawn from a single member where neither tier 0 nor a backdrop is
-  kTierBackdrop = 2,  // a photograph's backdrop mesh: the whole picture, its depth completed; after all of tier 0
+  kTierRejected = 1,  // rejected by a filter: drawn from a single member after all of tier 0
+  kTierBackdrop = 2,  // a photograph's backdrop mesh: the whole picture, its depth completed; after all of tier 1, but
+                      // before cells that show photographs from much further away
   kTierFilled = 3,    // nothing was drawn: filled from around
 };
 

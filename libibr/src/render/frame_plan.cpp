@@ -123,6 +123,13 @@ class Planner {
       planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
       planned.view[v].blend = smoothstep(weights.clamped);
     }
+    const Weights blend = smoothstep(fromMiddle.weights.clamped);
+    double squared = 0;
+    for (std::size_t i = 0; i < cell.members.size(); ++i) {
+      const double distance = glm::distance(scene_.nodes[cell.members[i]].camera.pose.position, middle_.position);
+      squared += blend[i] * distance * distance;
+    }
+    planned.photographDistance = std::sqrt(squared);
     planned.single = single(index, fromMiddle.weights.clamped);
     return planned;
   }
@@ -320,7 +327,10 @@ class Planner {
                          [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
     plan_.next.backdrops =
         showMeshes(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount}, fadeStep());
-    for (const ShownMesh& shown : plan_.next.backdrops) plan_.backdrops.push_back({shown.mesh, shown.opacity});
+    for (const ShownMesh& shown : plan_.next.backdrops) {
+      const Pose& pose = scene_.nodes[scene_.backdrops[shown.mesh].members[0]].camera.pose;
+      plan_.backdrops.push_back({shown.mesh, shown.opacity, glm::distance(pose.position, middle_.position)});
+    }
   }
 
   void mixSwitch() {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "render/culling.h"
+#include "render/steps.h"
 
 namespace ibr {
 
@@ -170,7 +171,31 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
       if (views[v].mayShow(cell, cellBounds, planned.view[v].position, morph)) return false;
     return true;
   };
+  PlannedCell single;
+  for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
+  // One is hidden if it is where it begins.
+  std::vector<bool> begun(plan.backdrops.size(), false), whole = begun;
+  const auto addBackdrop = [&](std::size_t b, double share) {
+    PlannedBackdrop& planned = plan.backdrops[b];
+    const Cell& backdrop = scene.backdrops[planned.backdrop];
+    const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
+    if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
+    begun[b] = true;
+    whole[b] = share == 1;
+    if (planned.hidden || share * planned.opacity < 1) return;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
+  };
+  const auto addBackdropsBefore = [&](const PlannedCell& cell) {
+    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+      if (const double share = shareBefore(plan, plan.backdrops[b], cell); share > 0 && !whole[b])
+        addBackdrop(b, share);
+  };
+  auto leaving = plan.leaving.begin();
   for (PlannedCell& planned : plan.cells) {
+    for (; leaving != plan.leaving.end() && leaving->before <= std::size_t(&planned - plan.cells.data()); ++leaving)
+      addBackdropsBefore(leaving->planned);
+    addBackdropsBefore(planned);
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     planned.hidden = hidden(cell, cellBounds, planned, plan.settings.morph);
@@ -178,22 +203,14 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
   }
-  PlannedCell single;
-  for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-  for (PlannedBackdrop& planned : plan.backdrops) {
-    const Cell& backdrop = scene.backdrops[planned.backdrop];
-    const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
-    planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
-    if (planned.hidden || planned.opacity < 1) continue;
-    for (std::size_t v = 0; v < views.size(); ++v)
-      views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
-  }
   // Tier 1 is drawn from one member, which moves its vertices. What leaves is drawn besides, and hides nothing.
   for (PlannedCell& planned : plan.cells) {
     PlannedCell alone;
     for (PlannedCell::View& view : alone.view) view.position = planned.single;
     planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
   }
+  for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
+    if (!whole[b]) addBackdrop(b, 1);
 }
 
 }  // namespace ibr

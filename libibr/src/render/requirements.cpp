@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "render/steps.h"
+
 namespace ibr {
 namespace {
 
@@ -54,7 +56,8 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.floor = options.floor;
   const std::uint32_t leaving = r.cells > 0 ? kLargestLeavingCount : 0;
   r.steps = (std::min(r.cells, kLargestCellCount) + leaving) * (r.rejected ? 2 : 1) +
-            std::min(r.backdrops, kLargestBackdropCount) * (r.dissolve ? 2 : 1) * (r.stretched ? 2 : 1);
+            std::min(r.backdrops, kLargestBackdropCount) * (r.dissolve ? 2 : 1) * (r.stretched ? 2 : 1) +
+            (r.dissolve && r.cells > 0 ? copiesBeforeCells(r.backdrops) : 0);
   return r;
 }
 

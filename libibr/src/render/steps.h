@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; then what backdrops (tier 2) have of tier 0: their depths are those of all cells
-//   together, so they are right more often than a triangle that its own cell rejected; then all of tier 1, each cell
-//   from its best member alone; then what closes backdrops across depth edges. Cells that leave stand at the places
-//   that they had
+//   all of tier 0, main cell first; before a cell that shows photographs from much further away, what backdrops (tier 2)
+//   have of it; then all of tier 1, each cell from its best member alone; then backdrops, what they have of tier 0 first,
+//   then what closes them across depth edges. Cells that leave stand at the places that they had
+//
+// A photograph from the view's own place is right whatever its depth, where a cell misses what its members do not all
+// see.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -17,7 +21,7 @@
 namespace ibr {
 
 inline constexpr std::uint32_t kLargestStepCount =
-    2 * (kLargestCellCount + kLargestLeavingCount + 2 * kLargestBackdropCount);
+    2 * (kLargestCellCount + kLargestLeavingCount) + 6 * kLargestBackdropCount;
 
 inline constexpr std::uint32_t kNoCell = ~0u;
 
@@ -44,6 +48,16 @@ struct Steps {
 
 /// The picture of the plan's order, or of the order before a switch.
 enum class Order : std::uint8_t { current, former };
+
+/// Most copies of backdrops that are drawn before cells.
+constexpr std::uint32_t copiesBeforeCells(std::size_t backdrops) {
+  return 2 * std::uint32_t(std::min<std::size_t>(backdrops, kLargestBackdropCount));
+}
+
+/// Share of the pixels of a backdrop that come before a cell, from 0 to 1 as its photograph is nearer than half as far
+/// away as the cell is: the mean of how far the view is outside of it and how far away the photographs are that it
+/// shows. Inside of a regular cell its own members never come first.
+double shareBefore(const FramePlan& plan, const PlannedBackdrop& backdrop, const PlannedCell& cell) noexcept;
 
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept;
 

@@ -14,6 +14,7 @@
 #include "ibr/error.h"
 #include "ibr/renderer.h"
 #include "render/cell_order.h"
+#include "render/steps.h"
 
 using namespace ibr;
 
@@ -334,6 +335,37 @@ TEST_CASE("backdrops: nearest first, then by direction, no more than the setting
   RenderSettings settings;
   settings.lowestTier = kTierRejected;
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1), settings).backdrops.empty());
+}
+
+TEST_CASE("backdrops come before cells that are further away than twice their photograph, little by little") {
+  Scene scene;
+  for (const double x : {0.0, 2.0, 1.2}) scene.nodes.push_back({fmt::format("{}", x), cameraAt({x, 0, 0}), {}, {}});
+  scene.cells = {cellOf(scene, {0, 1})};
+  scene.backdrops = {cellOf(scene, {2}), cellOf(scene, {0})};
+  REQUIRE(validate(scene).empty());
+  RenderSettings settings;
+  const auto share = [&](glm::dvec3 position, std::uint32_t backdrop) {
+    const FramePlan plan = planOf(scene, cameraAt(position), settings);
+    REQUIRE(plan.cells.size() == 1);
+    const auto planned = std::ranges::find(plan.backdrops, backdrop, &PlannedBackdrop::backdrop);
+    REQUIRE(planned != plan.backdrops.end());
+    return shareBefore(plan, *planned, plan.cells[0]);
+  };
+  CHECK(share({1.2, 0, 0}, 0) == 1);  // inside, but the photographs that the cell shows are far away
+  CHECK(share({1.2, 0.2, 0}, 0) == 1);
+  CHECK(share({0.5, 0, 0}, 0) == 0);
+  for (const double x : {-0.6, -1e-9, 0.0, 1e-9, 0.1, 0.5}) CHECK(share({x, 0, 0}, 1) == 0);  // the cell shows it, too
+  double last = 1;
+  for (double x = 1.2; x > 0.5; x -= 0.01) {
+    const double now = share({x, 0, 0}, 0);
+    CHECK(now <= last + 1e-12);
+    CHECK(last - now < 0.2);
+    last = now;
+  }
+  settings.switchSeconds = 0;  // nothing dissolves
+  for (double x = 1.2; x > 0.5; x -= 0.01) CHECK((share({x, 0, 0}, 0) == 0 || share({x, 0, 0}, 0) == 1));
+  settings.colourMapping = ColourMapping::paper;  // whose sequence is one of cells
+  CHECK(share({1.2, 0, 0}, 0) == 0);
 }
 
 TEST_CASE("backdrops change their order little by little, and none is missing meanwhile") {

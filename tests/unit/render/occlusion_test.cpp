@@ -152,26 +152,3 @@ TEST_CASE("what dissolves hides nothing, and the paper's order hides nothing") {
   CHECK(plan.cells[0].opacity < 1);
   CHECK_FALSE(anyHidden());
 }
-
-TEST_CASE("what a cell rejected is hidden by a backdrop that agrees, not by one that closes") {
-  const BenchShape& shape = *findBenchShape("stacked-5");
-  Scene scene = makeBenchScene(shape, 0.1);
-  Cell backdrop = scene.cells[0];  // as large as a cell
-  backdrop.members.resize(1);
-  backdrop.mesh.match.resize(1);
-  backdrop.mesh.ratio.resize(1);
-  scene.backdrops = {backdrop};
-  for (Cell& cell : scene.cells) std::ranges::fill(cell.mesh.tier, std::uint8_t(kTierRejected));
-  FrameInput input{benchViews(shape, 1, 640, 360), {}};
-  const auto anyHidden = [&] {
-    const FramePlan plan = planFrame(scene, sceneBounds(scene), input);
-    REQUIRE(!plan.cells.empty());
-    return std::ranges::any_of(plan.cells, [](const PlannedCell& cell) { return cell.rejectedHidden; });
-  };
-  CHECK(anyHidden());
-  input.settings.lowestTier = kTierRejected;
-  CHECK_FALSE(anyHidden());
-  input.settings.lowestTier = kTierBackdrop;
-  std::ranges::fill(scene.backdrops[0].mesh.tier, std::uint8_t(kTierRejected));
-  CHECK_FALSE(anyHidden());
-}
