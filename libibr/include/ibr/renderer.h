@@ -174,7 +174,7 @@ struct PlannedCell {
   std::uint32_t cell = 0;                       // index into Scene::cells
   double extrapolationDistance = 0;             // world units, from the middle of the views; 0 inside ([T] §2.5.2)
   double rotationalDistance = 0;                // radians, likewise
-  double photographDistance = 0;                // of those that it shows, world units, likewise: RMS, as they are blended
+  double photographDistance = 0;  // of those that it shows, world units, likewise: RMS, as they are blended
   double opacity = 1;                           // below 1 near the extrapolation limit, and while the order changes
   std::array<double, 4> single{};               // weights of tier 1: one member alone, but while that becomes another
   std::array<View, 2> view;                     // weights by view

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; before a cell that shows photographs from much further away, what backdrops (tier 2)
-//   have of it; then all of tier 1, each cell from its best member alone; then backdrops, what they have of tier 0 first,
-//   then what closes them across depth edges. Cells that leave stand at the places that they had
+//   all of tier 0, main cell first; before a cell that shows photographs from much further away, backdrops' tier 0;
+//   then all of tier 1, each cell from its best member alone;
+//   then backdrops (tier 2), what they have of tier 0 first, then what closes them across depth edges.
+//   Cells that leave stand at the places that they had
 //
 // A photograph from the view's own place is right whatever its depth, where a cell misses what its members do not all
 // see.
