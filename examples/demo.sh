@@ -48,7 +48,7 @@ walk() {
     "$ibr" build "examples/photographs/$1" -o "$scene" --json "$output/$1/build.json" >"$output/$1/build.txt"
     tail -n 1 "$output/$1/build.txt"
   fi
-  if made "$rendered"; then return; fi
+  if made "$rendered" && [ -e "$output/$1/walk.mp4" ] && [ -e "$output/$1/contact-sheet.jpg" ]; then return; fi
   echo "== $1: scene to pictures"
   rm -rf "$pictures"
   "$ibr" render "$scene" --path "auto:$2" --size "$3" -o "$pictures"

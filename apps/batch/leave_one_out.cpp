@@ -179,8 +179,9 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     checkNamesDiffer(views);
     for (const View& view : views) evaluationFiles(evaluation, view.name);
   }
-  context.say(LogLevel::info, "{} of {} photographs are left out, one by one; what is built is kept in {}{}", views.size(),
-              photographs.images().size(), work.string(), options.work.empty() ? " until all are done" : "");
+  context.say(LogLevel::info, "{} of {} photographs are left out, one by one; what is built is kept in {}{}",
+              views.size(), photographs.images().size(), work.string(),
+              options.work.empty() ? " until all are done" : "");
 
   LeaveOneOut run(build, evaluation, key, work, context);
   std::vector<ViewOutcome> outcomes;

@@ -162,6 +162,7 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
         steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), share * b.opacity,
                          int(&b - plan.backdrops.data()), 0, cubic});
   };
+  // Every copy that a backdrop's share grows by; the renderer leaves out what adds little.
   for (const int tier : {kTierAgrees, kTierRejected})
     for (const PlannedCell& c : cells) {
       if (plan.settings.lowestTier < tier) break;

@@ -217,10 +217,10 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   Cell backdrop = place.scene.cells[0];
   for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
   place.scene.backdrops.assign(3, backdrop);
-  // Each twice while they change places, and as many copies before cells.
-  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 3 + 2 * 3);
+  // Each twice while they change places, and twice as many copies before cells.
+  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 3 + 4 * 3);
   place.scene.backdrops[1].mesh.tier.back() = kTierRejected;  // stretched: drawn after all that agree
-  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 2 * 3 + 2 * 3);
+  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 2 * 3 + 4 * 3);
   place.scene.backdrops.clear();
   CHECK(requirementsOf(room(2).scene, options).mixedCells == 1);
   CHECK(requirementsOf(room(3).scene, options).panoramas == 3);

@@ -105,7 +105,7 @@ struct RenderSettings {
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long, and
-                                    // cells that change their place behind it fade for so long; 0: cuts
+                                    // cells and backdrops that change their place fade for so long; 0: cuts
   double textureScale = 1.0;        // of the photographs' sides that are seen: 0.5 shows half their detail; > 0
   double renderScale = 1.0;         // of the target's sides: cells are drawn that much smaller or larger; > 0, at most
                                     // RendererOptions::largestScale
@@ -278,7 +278,7 @@ struct RendererOptions {
                                 VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours, DrawOrder::paper};
   std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
-  bool dissolve = true;     // opacities may be below 1
+  bool dissolve = true;     // opacities may be below 1: false only where fadeShare and switchSeconds are 0
   double largestScale = 0;  // of RenderSettings::renderScale; 0: all is drawn at the target's size
 };
 

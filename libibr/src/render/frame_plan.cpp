@@ -322,7 +322,8 @@ class Planner {
     std::ranges::sort(inView);
     const auto visible = [&](std::uint32_t b) { return std::ranges::binary_search(inView, b); };
     const auto wasHidden = [&](std::uint32_t b) { return std::ranges::binary_search(state_.hiddenBackdrops, b); };
-    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount});
+    const std::size_t most = std::min(settings_.maxBackdrops, kLargestBackdropCount);
+    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible}, most);
     std::ranges::copy_if(inView, std::back_inserter(plan_.next.hiddenBackdrops),
                          [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
     plan_.next.backdrops =

@@ -173,44 +173,37 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
   };
   PlannedCell single;
   for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-  // One is hidden if it is where it begins.
-  std::vector<bool> begun(plan.backdrops.size(), false), whole = begun;
-  const auto addBackdrop = [&](std::size_t b, double share) {
+  // One is hidden if it is where its first copy stands.
+  std::vector<bool> begun(plan.backdrops.size(), false);
+  const auto addBackdrop = [&](std::uint32_t b, double share) {
     PlannedBackdrop& planned = plan.backdrops[b];
     const Cell& backdrop = scene.backdrops[planned.backdrop];
     const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
     if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
     begun[b] = true;
-    whole[b] = share == 1;
     if (planned.hidden || share * planned.opacity < 1) return;
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
   };
-  const auto addBackdropsBefore = [&](const PlannedCell& cell) {
-    for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-      if (const double share = shareBefore(plan, plan.backdrops[b], cell); share > 0 && !whole[b])
-        addBackdrop(b, share);
-  };
-  auto leaving = plan.leaving.begin();
-  for (PlannedCell& planned : plan.cells) {
-    for (; leaving != plan.leaving.end() && leaving->before <= std::size_t(&planned - plan.cells.data()); ++leaving)
-      addBackdropsBefore(leaving->planned);
-    addBackdropsBefore(planned);
+  const auto addCell = [&](const PlannedCell&, std::uint32_t c, std::uint32_t) {
+    if (c == kNoCell) return;  // what leaves is drawn besides, and hides nothing
+    PlannedCell& planned = plan.cells[c];
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     planned.hidden = hidden(cell, cellBounds, planned, plan.settings.morph);
-    if (planned.hidden || planned.opacity < 1) continue;
+    if (planned.hidden || planned.opacity < 1) return;
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
-  }
-  // Tier 1 is drawn from one member, which moves its vertices. What leaves is drawn besides, and hides nothing.
+  };
+  const BackdropShares shown = forTier0(plan, Order::current, scene.backdrops.size(), addBackdrop, addCell);
+  // Tier 1 is drawn from one member, which moves its vertices.
   for (PlannedCell& planned : plan.cells) {
     PlannedCell alone;
     for (PlannedCell::View& view : alone.view) view.position = planned.single;
     planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
   }
-  for (std::size_t b = 0; b < plan.backdrops.size(); ++b)
-    if (!whole[b]) addBackdrop(b, 1);
+  for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b)
+    if (shown[b] < 1) addBackdrop(b, 1);
 }
 
 }  // namespace ibr

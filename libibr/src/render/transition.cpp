@@ -114,19 +114,21 @@ std::vector<ShownMesh> showMeshes(std::span<const ShownMesh> before, const Wante
   return shown;
 }
 
-std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted) {
+std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted,
+                                           std::size_t most) {
+  const std::vector<std::uint32_t> atOnce(wanted.meshes.begin(), wanted.meshes.end());
   if (std::ranges::all_of(before, [](const ShownMesh& entry) { return !entry.leaving && entry.opacity >= 1; }))
-    return {wanted.meshes.begin(), wanted.meshes.end()};
+    return atOnce;
   std::vector<std::uint32_t> order;
   std::set<std::uint32_t> kept;
   for (const ShownMesh& entry : before)
-    if (!entry.leaving && wanted.stillVisible(entry.mesh)) {
+    if (!entry.leaving && order.size() < most && wanted.stillVisible(entry.mesh)) {
       order.push_back(entry.mesh);
       kept.insert(entry.mesh);
     }
   for (const std::uint32_t mesh : wanted.meshes)
-    if (order.size() < wanted.mostLeaving && !kept.contains(mesh) && !wanted.wasHidden(mesh)) order.push_back(mesh);
-  return order;
+    if (order.size() < most && !kept.contains(mesh) && !wanted.wasHidden(mesh)) order.push_back(mesh);
+  return 2 * order.size() < atOnce.size() ? atOnce : order;
 }
 
 }  // namespace ibr

@@ -2,7 +2,7 @@
 // Changes in the order of cells, or of backdrops, that nobody sees as a jump. A mesh is either.
 //
 // A mesh that changes its place is there twice for a while: the copy further back stays as it is, the one in front
-// fades, out where the cell fell back, in where it came forward. A mesh that had been left out fades in; one that is no
+// fades, out where the mesh fell back, in where it came forward. A mesh that had been left out fades in; one that is no
 // longer drawn waits where it was for what arrives, then fades out. What comes into view is there at once: it enters at
 // the border of the picture.
 //
@@ -32,7 +32,9 @@ struct WantedOrder {
 std::vector<ShownMesh> showMeshes(std::span<const ShownMesh> before, const WantedOrder& wanted, double step);
 
 /// The order wanted, but not before the last change of the one shown has faded: until then what is shown and visible
-/// keeps its place, and what comes into view, unlike what was hidden, stands behind it; at most `mostLeaving`.
-std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted);
+/// keeps its place, and what comes into view, unlike what was hidden, stands behind it; `most` in all. Where that is less
+/// than half of what is wanted, it is the order wanted at once: too much would be missing.
+std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted,
+                                           std::size_t most);
 
 }  // namespace ibr

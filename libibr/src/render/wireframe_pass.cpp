@@ -66,7 +66,7 @@ void WireframePass::draw(VkCommandBuffer commands, const FramePlan& plan, Order 
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetMeshes, 1, &set_, 0,
                           nullptr);
   cells_->eachStep(commands, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
-    // Backdrops come after all cells.
+    // Backdrops are coloured as though they came after all cells.
     const float rank = float(step.rank) + (step.tier == kTierBackdrop ? ranks : 0.0f);
     const shader::WireframeConstants constants{step.range.firstIndex, std::uint32_t(step.mesh->vertexOffset / 4), rank,
                                                ranks};

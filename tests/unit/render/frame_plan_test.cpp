@@ -362,6 +362,9 @@ TEST_CASE("backdrops come before cells that are further away than twice their ph
     CHECK(last - now < 0.2);
     last = now;
   }
+  FramePlan faint = planOf(scene, cameraAt({1.2, 0, 0}), settings);
+  faint.cells[0].opacity = 0.25;  // takes no more than it would show
+  CHECK(shareBefore(faint, faint.backdrops[0], faint.cells[0]) == 0.25);
   settings.switchSeconds = 0;  // nothing dissolves
   for (double x = 1.2; x > 0.5; x -= 0.01) CHECK((share({x, 0, 0}, 0) == 0 || share({x, 0, 0}, 0) == 1));
   settings.colourMapping = ColourMapping::paper;  // whose sequence is one of cells
@@ -390,7 +393,11 @@ TEST_CASE("backdrops change their order little by little, and none is missing me
         if (!std::ranges::binary_search(state.hiddenBackdrops, backdrop)) continue;
         REQUIRE(std::abs(opacity - before[backdrop]) <= (seconds > 0 ? 0.1 + 1e-9 : 1));
       }
-      REQUIRE(plan.backdrops.size() >= std::min<std::size_t>(6, now.size()));
+      RenderSettings atOnce = settings;
+      atOnce.switchSeconds = 0;
+      REQUIRE(2 * now.size() >= planOf(scene, plan.views[0], atOnce).backdrops.size());
+      const auto staying = std::ranges::count(plan.next.backdrops, false, &ShownMesh::leaving);
+      REQUIRE(staying <= std::ptrdiff_t(settings.maxBackdrops));
       REQUIRE(std::ranges::any_of(plan.backdrops, [](const PlannedBackdrop& b) { return b.opacity == 1; }));
       for (const PlannedBackdrop& b : plan.backdrops) faded |= b.opacity < 1;
       state = plan.next;

@@ -51,10 +51,13 @@ TEST_CASE("an order stays until its last change has faded, but for what goes out
   const Order wanted{9, 8, 1, 3};
   const std::vector<ShownMesh> whole{{3, 1, false}, {1, 1, false}},
       fading{{3, 0.5, true}, {2, 1, false}, {1, 1, false}, {3, 1, false}};
-  CHECK(keepWhileFading(whole, {wanted, none, but2}) == wanted);
-  CHECK(keepWhileFading({}, {wanted, none, but2}) == wanted);
-  CHECK(keepWhileFading(fading, {wanted, is9, but2}) == Order{1, 3, 8});
-  CHECK(keepWhileFading(fading, {wanted, none, but2, 3}) == Order{1, 3, 9});
+  CHECK(keepWhileFading(whole, {wanted, none, but2}, 8) == wanted);
+  CHECK(keepWhileFading({}, {wanted, none, but2}, 8) == wanted);
+  CHECK(keepWhileFading(fading, {wanted, is9, but2}, 8) == Order{1, 3, 8});
+  CHECK(keepWhileFading(fading, {wanted, none, but2}, 3) == Order{1, 3, 9});
+  CHECK(keepWhileFading(fading,
+                        {wanted, [](std::uint32_t) { return true; }, [](std::uint32_t mesh) { return mesh == 1; }},
+                        8) == wanted);
 }
 
 TEST_CASE("the same order again is shown whole") {
