@@ -94,8 +94,23 @@ TEST_CASE("a backdrop taken where the view is comes before cells of photographs 
   for (const DrawOrder order : {DrawOrder::ours, DrawOrder::paper}) {
     RenderSettings settings = withTiers();
     settings.order = order;
-    CHECK(tierAt(stage.render(view, settings), 160, 120) == kTierBackdrop);
     CHECK(tierAt(stage.render(cameraAt({0.5, 0, 0}), settings), 160, 120) == kTierAgrees);
+    FramePlan plan = stage.plan(view, settings);
+    const Image8 both = stage.render(plan);
+    plan.cells.clear();
+    std::erase_if(plan.backdrops, [](const PlannedBackdrop& backdrop) { return backdrop.backdrop != 2; });
+    const Image8 alone = stage.render(plan);
+    settings.lowestTier = kTierRejected;
+    const Image8 cell = stage.render(view, settings);
+    std::size_t overlap = 0, fromBackdrop = 0;
+    for (int y = 0; y < both.height; ++y)
+      for (int x = 0; x < both.width; ++x) {
+        if (tierAt(cell, x, y) != kTierAgrees || tierAt(alone, x, y) != kTierBackdrop) continue;
+        ++overlap;
+        fromBackdrop += tierAt(both, x, y) == kTierBackdrop;
+      }
+    CHECK(overlap > 10000);
+    CHECK(fromBackdrop == overlap);
   }
   compareWithTwin(stage, stage.plan(view, withTiers()));
 }
