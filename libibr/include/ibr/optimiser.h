@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Aligns the photographs inside the triangles of a morphing mesh ([T] chapter 3): points move within each picture until
+// the enhanced correlation coefficient (ECC) of the triangles around them rises no more.
+//
+// A star is a point with its triangles. It is judged at the morph half-way between the picture in which the point moves
+// (the source) and each other picture (a target): every pixel centre of the mean of the two meshes is one sample of
+// both photographs ([T] §3.6). Everything is counted in whole numbers, so each method gives the same sums on every
+// device, bit for bit; `cpu` and `compute` give the same mesh.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "ibr/device.h"
+#include "ibr/image.h"
+#include "ibr/log.h"
+
+namespace ibr {
+
+/// Positions are whole numbers of 1/128 px, so that the mean of two pictures stands on 1/256 px and no sign of an area
+/// is ever rounded.
+inline constexpr int kAlignmentUnitsPerPixel = 128;
+
+/// One cell as the optimiser sees it: d pictures and a mesh of n points over them; poses are no concern of it.
+struct Alignment {
+  std::vector<const Image8*> pictures;            // d, 2 to 4; RGB, at most 16384 px wide and high; they outlive the run
+  std::vector<std::vector<glm::ivec2>> position;  // d × n, 1/128 px from the picture's top-left corner, inside it
+  std::vector<glm::uvec3> triangles;              // that are judged; twice their area is positive in all pictures
+  std::vector<glm::uvec3> kept;                   // not judged, but where one is not folded over, it stays so
+  std::vector<std::uint8_t> fixed;                // n, or none: points that must not move
+};
+
+enum class AlignmentMethod : std::uint8_t {
+  raster,    // the paper's: instances drawn by the rasteriser, one point after another
+  compute,   // one lane a candidate, points that share no triangle at once, the winner chosen on the device
+  cpu,       // the same on the processor
+  gradient,  // forward-additive ECC on the displacement, candidates at random where it finds nothing (processor)
+};
+
+enum class EccDefinition : std::uint8_t {
+  channels,      // a mean a channel and target, with a variance floor
+  concatenated,  // [T] eqs 1–3: one mean over all channels and targets
+};
+
+/// Asked for each point that moved: whether its match in all pictures (`position[i]`, 1/128 px) can stand. What it
+/// refuses is taken back. Called from the thread that runs the optimiser.
+using AlignmentGuard = std::function<bool(std::uint32_t point, std::span<const glm::ivec2> position)>;
+
+/// Defaults are the paper's ([T] §3.8.1) where it has the setting.
+struct AlignmentOptions {
+  AlignmentMethod method = AlignmentMethod::compute;
+  EccDefinition definition = EccDefinition::channels;
+  int instances = 64;         // M, candidates a point, the first of them where it stands; 2 to 256
+  double radiusPx = 5;        // R, largest way of a candidate in the first cycle; (0, 64]
+  double decay = 0.5;         // D, of R from cycle to cycle; (0, 1]
+  double threshold = 0.005;   // t, relative gain of a cycle below which it was the last; >= 0
+  int mostCycles = 50;        // >= 1
+  double varianceFloor = 25;  // grey², of the definition `channels`; [0, 1000]
+  bool prune = false;         // compute, cpu: all candidates on every 8th row, the best 8 of them whole
+  bool scaledInstances = true;  // M′ = M·r²/R² ([T] §3.7), at least 8
+  std::uint64_t seed = 1;     // same alignment, options and seed: same mesh
+  int threads = 0;            // of the processor; 0 = all cores
+  AlignmentGuard guard;       // none: nothing is refused
+};
+
+/// Faults of the values above, for people; empty when there is none.
+std::string optionsFault(const AlignmentOptions& options);
+
+struct AlignmentCycle {
+  double radiusPx = 0;           // R
+  double ecc = 0;                // mean over points and pictures after the cycle, in the options' definition
+  std::uint64_t mutations = 0;   // candidates that were judged
+  std::uint64_t pixels = 0;      // pairs of samples that were compared for them
+  std::size_t moved = 0;         // points, a picture each
+  std::size_t refused = 0;       // by the guard
+  std::uint64_t wrongPicks = 0;  // prune, when counted (countWrongPicks in tests and benchmarks)
+  double seconds = 0;
+};
+
+/// Means over all stars and pictures; a star whose ECC is undefined (no texture) counts as 0, as in the paper.
+struct AlignmentSummary {
+  double initialEcc = 0, finalEcc = 0;            // per channel and target
+  double initialEccPaper = 0, finalEccPaper = 0;  // [T] eqs 1–3
+  std::vector<float> starEccBefore, starEccAfter;  // n, per channel and target, mean over the pictures; NaN: no star
+  std::vector<AlignmentCycle> cycles;
+  std::size_t bestCycle = 0;  // that the mesh is of; 0 = before the first
+  double seconds = 0;
+};
+
+/// Moves the points of `alignment`. No triangle folds over in a picture or in a mean of two or all of them; points of
+/// the border move along it. The mesh of the best cycle stays. `device` is needed for raster and compute, which submit
+/// to its queue and wait; it needs shaderInt64 and, for raster, 64-bit buffer atomics. Throws Error (invalidInput,
+/// unsupported, deviceLost, outOfMemory, cancelled by `progress`); then `alignment` is as it was.
+AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, const Device* device = nullptr,
+                       const ProgressCallback& progress = {});
+
+}  // namespace ibr
