@@ -11,6 +11,7 @@
 #include "ibr/log.h"
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"
+#include "ibr/optimiser.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "ibr/scene.h"

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Method `cpu`: the stars of a class are judged side by side; nothing that one reads is moved by another.
+#include <algorithm>
+#include <array>
+
+#include "optimise/mover.h"
+#include "optimise/workers.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::uint32_t kWholeAfterPruning = 8;
+constexpr int kPrunedRows = 8;
+
+struct Candidate {
+  glm::ivec2 offset{0};
+  shader::EccScore score{};
+};
+
+struct Pick {
+  glm::ivec2 offset{0};
+  std::uint64_t mutations = 0, pixels = 0;
+};
+
+class CpuMover final : public Mover {
+ public:
+  explicit CpuMover(const MoverInput& input) : input_(input), judgeInput_{input.mesh, input.pictures} {}
+
+  CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
+    CycleCounts counts;
+    for (std::size_t member = 0; member < at.size(); ++member)
+      for (std::size_t c = 0; c + 1 < input_.mesh.colours.first.size(); ++c) {
+        moveClass(input_.mesh.colours[c], member, request, at, counts);
+        keepGoing();
+      }
+    return counts;
+  }
+
+  std::vector<Judgement> judgeAll(const Positions& at) override {
+    const std::size_t n = input_.mesh.pointCount();
+    std::vector<Judgement> all(at.size() * n);
+    forEachInParallel(all.size(), input_.options.threads, [&](std::size_t i) {
+      all[i] = judge(judgeInput_, at, std::uint32_t(i % n), i / n, glm::ivec2(0));
+    });
+    return all;
+  }
+
+ private:
+  void moveClass(std::span<const std::uint32_t> points, std::size_t member, const CycleRequest& request, Positions& at,
+                 CycleCounts& counts) {
+    std::vector<Pick> picks(points.size());
+    forEachInParallel(points.size(), input_.options.threads,
+                      [&](std::size_t i) { picks[i] = best(points[i], member, request, at); });
+    std::vector<Moved> moved;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      counts.mutations += picks[i].mutations;
+      counts.pixels += picks[i].pixels;
+      if (picks[i].offset == glm::ivec2(0)) continue;
+      moved.push_back({points[i], at[member][points[i]]});
+      at[member][points[i]] += picks[i].offset;
+    }
+    askGuard(input_.options.guard, moved, member, at, counts);
+  }
+
+  Pick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
+    Pick pick;
+    const AlignmentOptions& options = input_.options;
+    const int reach = reachOf(input_.mesh, at, point, member, request.radius);
+    if (reach == 0) return pick;
+    const std::uint32_t seed = shader::eccPointSeed(request.seed, std::uint32_t(member), point);
+    const std::uint32_t instances = options.scaledInstances
+                                        ? shader::eccInstances(std::uint32_t(options.instances), reach, request.radius)
+                                        : std::uint32_t(options.instances);
+    std::vector<Candidate> candidates(1);
+    for (std::uint32_t m = 1; m < instances; ++m) {
+      const glm::ivec2 offset = candidateOffset(input_.mesh, at, point, member, reach, seed, m);
+      if (fits(input_.mesh, at, point, member, offset)) candidates.push_back({offset});
+    }
+    if (options.prune && candidates.size() > 1 + kWholeAfterPruning) prune(candidates, point, member, seed, at, pick);
+    judgeEach(candidates, point, member, {}, at, pick);
+    const Candidate* winner = &candidates[0];
+    for (const Candidate& c : candidates)
+      if (shader::eccGreater(c.score, winner->score)) winner = &c;
+    pick.offset = winner->offset;
+    return pick;
+  }
+
+  // Leaves the first and the best of the others, in their order.
+  void prune(std::vector<Candidate>& candidates, std::uint32_t point, std::size_t member, std::uint32_t seed,
+             const Positions& at, Pick& pick) const {
+    judgeEach(candidates, point, member, {kPrunedRows, int(seed % kPrunedRows)}, at, pick);
+    std::vector<std::size_t> order;
+    for (std::size_t c = 1; c < candidates.size(); ++c) order.push_back(c);
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+      return shader::eccGreater(candidates[a].score, candidates[b].score);
+    });
+    order.resize(kWholeAfterPruning);
+    std::ranges::sort(order);
+    std::vector<Candidate> left{candidates[0]};
+    for (const std::size_t c : order) left.push_back(candidates[c]);
+    candidates = std::move(left);
+  }
+
+  void judgeEach(std::span<Candidate> candidates, std::uint32_t point, std::size_t member, RowChoice rows,
+                 const Positions& at, Pick& pick) const {
+    for (Candidate& c : candidates) {
+      const Judgement judgement = judge(judgeInput_, at, point, member, c.offset, rows);
+      c.score = judgement.score(input_.options.definition, input_.options.varianceFloor);
+      pick.pixels += judgement.pixels();
+    }
+    pick.mutations += candidates.size();
+  }
+
+  const MoverInput input_;
+  const JudgeInput judgeInput_;
+};
+
+}  // namespace
+
+std::unique_ptr<Mover> cpuMover(const MoverInput& input) {
+  return std::make_unique<CpuMover>(input);
+}
+
+}  // namespace ibr

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mesh to be aligned, as all methods see it: which triangles are around each point, what must not fold over, which
+// points may be moved at once, and where the border lets them go.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "ibr/optimiser.h"
+
+namespace ibr {
+
+using Positions = std::vector<std::vector<glm::ivec2>>;  // member × point, 1/128 px
+
+/// A list of lists.
+template <class T>
+struct Rows {
+  std::vector<std::uint32_t> first{0};  // rows + 1
+  std::vector<T> values;
+  std::span<const T> operator[](std::size_t row) const {
+    return std::span(values).subspan(first[row], first[row + 1] - first[row]);
+  }
+  void add(std::span<const T> row) {
+    values.insert(values.end(), row.begin(), row.end());
+    first.push_back(std::uint32_t(values.size()));
+  }
+};
+
+/// Which ways a point has.
+enum class Border : std::uint8_t { interior, slides, fixed };
+
+struct StarMesh {
+  std::vector<glm::ivec2> size;   // d, of the pictures, px
+  Rows<glm::uvec2> star;          // n: the other corners of judged triangles, in the triangle's order
+  Rows<glm::uvec2> kept;          // n: of triangles that are only kept from folding over …
+  Rows<std::uint32_t> keptWhere;  // … bit i: in picture i, where they were not folded over; a word each
+  std::vector<glm::uvec2> chord;  // n: of a point that slides, its neighbours on the border; (0, 0) = interior
+  std::vector<Border> border;     // n
+  Rows<std::uint32_t> colours;    // points that may move, in classes that share no triangle, ascending
+  std::size_t pointCount() const { return border.size(); }
+  std::size_t memberCount() const { return size.size(); }
+};
+
+/// Throws Error{invalidInput} that names the field: sizes that differ, indices out of range, positions outside their
+/// picture, pictures that are not RGB, judged triangles that are folded over. A judged triangle that is folded over in
+/// the mean of two pictures or of all is left out of the stars and its corners are fixed.
+StarMesh starMeshOf(const Alignment& alignment);
+
+/// Largest way of a point in `member`, 1/128 px, at most `most`: so that no judged triangle folds over in the picture,
+/// in its mean with any other or in that of all ([T] fig. 15). 0 where it cannot move.
+int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most);
+
+/// Where candidate `instance` >= 1 stands relative to the point; `seed` is the point's own in this step.
+glm::ivec2 candidateOffset(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member,
+                           int radius, std::uint32_t seed, std::uint32_t instance);
+
+/// Whether the point may stand there: inside the picture, and nothing folds over that did not before. Exact.
+bool fits(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, glm::ivec2 offset);
+
+}  // namespace ibr
