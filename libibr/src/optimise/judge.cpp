@@ -34,8 +34,10 @@ RunSource runAt(const EccMap& map, const Texels& texels, glm::ivec2 origin, int 
 // A triangle of one pair, whole or in every step-th row.
 class PairSums {
  public:
-  PairSums(const Texels& source, const Texels& target, RowChoice rows, EccTarget& sums)
-      : source_(source), target_(target), rows_(rows), sums_(sums) {}
+  PairSums(const Texels& source, const Texels& target, RowChoice rows, const RunAdder& runs, EccTarget& sums)
+      : source_(source), target_(target), rows_(rows), runs_(runs), sums_(sums) {}
+  PairSums(const PairSums&) = delete;
+  ~PairSums() { runs_.finish(sums_, lanes_); }
 
   /// False where it cannot be judged.
   bool add(const Corner& a, const Corner& b, const Corner& c) {
@@ -69,16 +71,17 @@ class PairSums {
   }
 
   void addRow(int from, int behind, int row) {
-    static const AddRun addRun = fastestAddRun();
     for (; from < behind; from += shader::kEccRun)
-      addRun(runAt(fromSource_, source_, origin_, from, row), runAt(fromTarget_, target_, origin_, from, row),
-             std::min(behind - from, shader::kEccRun), sums_);
+      runs_.add(runAt(fromSource_, source_, origin_, from, row), runAt(fromTarget_, target_, origin_, from, row),
+                std::min(behind - from, shader::kEccRun), sums_, lanes_);
   }
 
   const Texels& source_;
   const Texels& target_;
   RowChoice rows_;
+  const RunAdder& runs_;
   EccTarget& sums_;
+  RunLanes lanes_;
   EccMap fromSource_{}, fromTarget_{};
   glm::ivec2 origin_{0};
 };
@@ -86,10 +89,11 @@ class PairSums {
 template <class Triangles>
 Judgement judged(std::span<const Texels> pictures, const Positions& at, std::size_t member, RowChoice rows,
                  const Triangles& forEachTriangle) {
+  static const RunAdder& runs = fastestRunAdder();
   Judgement result;
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     if (k == member) continue;
-    PairSums sums(pictures[member], pictures[k], rows, result.targets[std::size_t(result.count++)]);
+    PairSums sums(pictures[member], pictures[k], rows, runs, result.targets[std::size_t(result.count++)]);
     const auto corner = [&](std::uint32_t p) { return Corner{at[member][p], at[k][p]}; };
     forEachTriangle(corner, [&](const Corner& a, const Corner& b, const Corner& c) {
       result.whole = sums.add(a, b, c) && result.whole;
