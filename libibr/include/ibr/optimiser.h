@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "ibr/device.h"
+#include "ibr/ecc.h"
 #include "ibr/image.h"
 #include "ibr/log.h"
 
@@ -40,11 +41,6 @@ enum class AlignmentMethod : std::uint8_t {
   compute,   // one lane a candidate, points that share no triangle at once, the winner chosen on the device
   cpu,       // the same on the processor
   gradient,  // forward-additive ECC on the displacement, candidates at random where it finds nothing (processor)
-};
-
-enum class EccDefinition : std::uint8_t {
-  channels,      // a mean a channel and target, with a variance floor
-  concatenated,  // [T] eqs 1–3: one mean over all channels and targets
 };
 
 /// Asked for each point that moved: whether its match in all pictures (`position[i]`, 1/128 px) can stand. What it

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enhanced correlation coefficient of two lists of RGB samples ([T] §3.5, eqs 1–3).
+// Enhanced correlation coefficient of two lists of samples, from sums that can be taken apart and merged ([T] §3.5,
+// eqs 1–8). With M(x, y) = n·Σxy − Σx·Σy of a channel and target k,
 //
-//   ECC = Σ_c cov_c(a, b) / √(Σ_c var_c(a) · Σ_c var_c(b)),  sums over channels c, moments about each channel's own
-//   mean
+//   ECC = Σ_k M_k(x, y)/n_k / √(Σ_k M_k(x, x)/n_k · Σ_k M_k(y, y)/n_k)
 //
-// Departure: [T] concatenates the channels and subtracts one common mean; then the offset between channels dominates,
-// and unrelated textures of one colour score above 0.9 (NUMERICS §1 (c)).
+// Departures: [T] concatenates channels and targets and subtracts one common mean; then the offset between channels
+// dominates, and unrelated textures of one colour score above 0.9 (NUMERICS §1 (c)). [T] eq. 9 shifts each product
+// right so that 32 bits hold the sums, and eq. 8 is evaluated in floats; here sums and moments are exact (T1–T4).
 #pragma once
 
 #include <cstddef>
@@ -13,21 +14,47 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "ibr/ecc.h"
+
 namespace ibr {
 
 struct Ecc {
   double value = 0;      // within [-1, 1]; 0 where undefined
-  bool defined = false;  // false: fewer than two samples, a constant list, or values that are not finite
+  bool defined = false;  // false: nothing to correlate, that is fewer than two samples or a constant list
 };
 
-/// Exact sums over interleaved 8-bit RGB samples, equally many in both lists. `varianceFloor` (grey², >= 0) is added to
-/// the covariance and to both variances, each taken as the mean over samples and channels; with it flat patches that
-/// are alike score high instead of being undefined, and noise on them weighs little (25 in our filters). Throws
-/// Error{invalidInput} where the lists differ in length or do not hold whole pixels.
-Ecc ecc(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, double varianceFloor = 0);
+/// [T]'s six accumulators, of one channel of one target. Values are whole numbers of any unit, at most 2¹⁶ in size
+/// (grey levels; grey levels in 2⁻⁸, also about mid-grey). 2²⁴ samples a tuple and twelve merged tuples are exact.
+struct PreEcc {
+  std::int64_t n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
 
-/// The same, sample by sample, for interpolated values (0 to 255). Sums are taken about the first sample, so they lose
-/// nothing to cancellation. A variance below 1e-6 grey² counts as constant: it is rounding, not texture.
+  void add(std::int64_t a, std::int64_t b) {
+    ++n;
+    x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
+  }
+  void merge(const PreEcc& other) {
+    n += other.n, x += other.x, y += other.y, xx += other.xx, yy += other.yy, xy += other.xy;
+  }
+  bool operator==(const PreEcc&) const = default;
+};
+
+/// ECC of a source (x) and its targets (y), a tuple for each channel and target, to a few units in the last place.
+/// `concatenated` merges them to one. `varianceFloor` (the values' unit squared, >= 0) belongs to `channels`: it is
+/// added to the covariance and to both variances of each sample; with it flat patches that are alike score high instead
+/// of being undefined, and noise on them weighs little (25 grey² in our filters). Tuples without samples count for
+/// nothing; where none has two, the ECC is undefined.
+Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition = EccDefinition::channels,
+        std::int64_t varianceFloor = 0);
+
+/// Whether a's ECC is truly greater than b's, decided in whole numbers. What is undefined is never greater, and counts
+/// as 0 otherwise; so the first of the best candidates is found by going through them in order. Throws
+/// Error{invalidInput} where the tuples of a or b have more than three different sample counts (a target has one).
+bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b,
+                EccDefinition definition = EccDefinition::channels, std::int64_t varianceFloor = 0);
+
+/// ECC of RGB samples that are no whole numbers (interpolated, 0 to 255), by `channels`. Sums are taken about the first
+/// sample, so they lose nothing to cancellation. A variance below 1e-6 grey² counts as constant: it is rounding, not
+/// texture. Values that are not finite make it undefined.
 class EccSums {
  public:
   void add(glm::dvec3 a, glm::dvec3 b);
