@@ -271,11 +271,11 @@ IBR_FUNCTION int eccCompare(EccWide a, EccWide b) {
   return 0;
 }
 
-/// Whether a's ECC is truly greater than b's. What is undefined is never greater, and counts as 0 otherwise.
+/// Whether a's ECC is truly greater than b's. What is undefined is less than all that is defined.
 IBR_FUNCTION bool eccGreater(EccScore a, EccScore b) {
   const int64_t none = int64_t(0);
   if (!eccDefined(a)) return false;
-  if (!eccDefined(b)) return a.covariance > none;
+  if (!eccDefined(b)) return true;
   const int signA = a.covariance > none ? 1 : (a.covariance < none ? -1 : 0);
   const int signB = b.covariance > none ? 1 : (b.covariance < none ? -1 : 0);
   if (signA != signB) return signA > signB;
@@ -283,6 +283,11 @@ IBR_FUNCTION bool eccGreater(EccScore a, EccScore b) {
   const EccWide right = eccProduct(signB < 0 ? -b.covariance : b.covariance, a.varianceX, a.varianceY);
   const int order = eccCompare(left, right);
   return signA > 0 ? order > 0 : (signA < 0 && order < 0);
+}
+
+/// Whether a candidate is to be preferred to where the point stands; an undefined ECC there counts as 0.
+IBR_FUNCTION bool eccWins(EccScore candidate, EccScore standing) {
+  return eccGreater(candidate, standing) && (eccDefined(standing) || candidate.covariance > int64_t(0));
 }
 
 // --- Candidates ---

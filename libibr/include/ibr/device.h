@@ -90,6 +90,9 @@ class Device {
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
   /// Whether pictures in blocks (BC1, BC7) can be sampled: the feature textureCompressionBC, which is optional.
   bool samplesBlocks() const noexcept;
+  /// Whether shaders count in 64 bits (shaderInt64), and whether they do so together (shaderBufferInt64Atomics).
+  bool counts64Bits() const noexcept;
+  bool countsTogether64Bits() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
   /// How many messages the validation layer has sent so far (0 without validation). Tests demand 0.

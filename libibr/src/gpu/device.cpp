@@ -150,6 +150,12 @@ const VkPhysicalDeviceMemoryProperties& Device::memoryProperties() const noexcep
 bool Device::samplesBlocks() const noexcept {
   return state_->features.core.features.textureCompressionBC;
 }
+bool Device::counts64Bits() const noexcept {
+  return state_->features.core.features.shaderInt64;
+}
+bool Device::countsTogether64Bits() const noexcept {
+  return counts64Bits() && state_->features.vulkan12.shaderBufferInt64Atomics;
+}
 std::string Device::name() const {
   return state_->name;
 }

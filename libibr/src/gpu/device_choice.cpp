@@ -38,6 +38,9 @@ constexpr Feature kFeatures[]{
 
 // Used where they are there; each says what happens without.
 constexpr Feature kOptionalFeatures[]{
+    // Alignment by the passes of the optimiser; otherwise it is done on the processor.
+    {"shaderInt64", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.shaderInt64; }},
+    {"shaderBufferInt64Atomics", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.shaderBufferInt64Atomics; }},
     // Textures in BC1 and BC7 stay as they are; otherwise they are decoded to RGBA8.
     {"textureCompressionBC", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.textureCompressionBC; }},
 };

@@ -52,10 +52,13 @@ MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double v
   return mean;
 }
 
-std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device*) {
+std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
   switch (input.options.method) {
     case AlignmentMethod::cpu:
       return cpuMover(input);
+    case AlignmentMethod::compute:
+      check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
+      return computeMover(input, *device);
     default:
       fail(ErrorCode::unsupported, "this method of alignment is not there yet");
   }

@@ -5,12 +5,12 @@
 
 #include "optimise/mover.h"
 #include "optimise/workers.h"
+#include "shared/alignment.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint32_t kWholeAfterPruning = 8;
-constexpr int kPrunedRows = 8;
+using shader::kAlignmentLeft, shader::kAlignmentRows;
 
 struct Candidate {
   glm::ivec2 offset{0};
@@ -76,25 +76,26 @@ class CpuMover final : public Mover {
       const glm::ivec2 offset = candidateOffset(input_.mesh, at, point, member, reach, seed, m);
       if (fits(input_.mesh, at, point, member, offset)) candidates.push_back({offset});
     }
-    if (options.prune && candidates.size() > 1 + kWholeAfterPruning) prune(candidates, point, member, seed, at, pick);
+    if (options.prune && candidates.size() > 1 + kAlignmentLeft) prune(candidates, point, member, seed, at, pick);
     judgeEach(candidates, point, member, {}, at, pick);
-    const Candidate* winner = &candidates[0];
-    for (const Candidate& c : candidates)
+    if (candidates.size() < 2) return pick;
+    const Candidate* winner = &candidates[1];
+    for (const Candidate& c : std::span(candidates).subspan(2))
       if (shader::eccGreater(c.score, winner->score)) winner = &c;
-    pick.offset = winner->offset;
+    if (shader::eccWins(winner->score, candidates[0].score)) pick.offset = winner->offset;
     return pick;
   }
 
   // Leaves the first and the best of the others, in their order.
   void prune(std::vector<Candidate>& candidates, std::uint32_t point, std::size_t member, std::uint32_t seed,
              const Positions& at, Pick& pick) const {
-    judgeEach(candidates, point, member, {kPrunedRows, int(seed % kPrunedRows)}, at, pick);
+    judgeEach(candidates, point, member, {int(kAlignmentRows), int(seed % kAlignmentRows)}, at, pick);
     std::vector<std::size_t> order;
     for (std::size_t c = 1; c < candidates.size(); ++c) order.push_back(c);
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
       return shader::eccGreater(candidates[a].score, candidates[b].score);
     });
-    order.resize(kWholeAfterPruning);
+    order.resize(kAlignmentLeft);
     std::ranges::sort(order);
     std::vector<Candidate> left{candidates[0]};
     for (const std::size_t c : order) left.push_back(candidates[c]);

@@ -118,9 +118,13 @@ shader::EccScore Judgement::score(EccDefinition definition, double varianceFloor
     score = shader::eccPlus(score, targets[std::size_t(t)]);
     all = shader::eccSum(all, targets[std::size_t(t)]);
   }
-  const auto floor = std::int64_t(std::lround(varianceFloor * 65536.0));
-  return shader::eccFinished(
-      score, all, definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated, floor);
+  return shader::eccFinished(score, all,
+                             definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated,
+                             floorOf(varianceFloor));
+}
+
+std::int64_t floorOf(double varianceFloor) {
+  return std::lround(varianceFloor * 65536.0);
 }
 
 double eccOf(const shader::EccScore& score) {

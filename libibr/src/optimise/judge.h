@@ -27,6 +27,9 @@ struct Judgement {
   shader::EccScore score(EccDefinition definition, double varianceFloor) const;
 };
 
+/// A variance floor in grey² as scores have it.
+std::int64_t floorOf(double varianceFloor);
+
 /// value of a score, within [−1, 1]; 0 where undefined.
 double eccOf(const shader::EccScore& score);
 

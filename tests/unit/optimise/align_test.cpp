@@ -2,7 +2,7 @@
 // The loop around the methods: NUMERICS N3, T6.
 #include <catch2/catch.hpp>
 
-#include "planted.h"
+#include "support/planted.h"
 
 using namespace ibr;
 

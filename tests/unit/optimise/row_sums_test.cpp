@@ -22,8 +22,12 @@ RunSource randomRun(std::mt19937& random, const Texels& texels) {
   constexpr int kOne = 1 << shader::kEccRunBits;
   const auto within = [&](int most) { return int(random() % unsigned(2 * most + 1)) - most; };
   // From the middle at most 64 · 0.6 px either way.
-  return {texels.at(48 + within(8), 41 + within(1)), texels.stride, int(random() % kOne), int(random() % kOne),
-          within(kOne * 6 / 10), within(kOne * 6 / 10)};
+  return {texels.at(48 + within(8), 41 + within(1)),
+          texels.stride,
+          int(random() % kOne),
+          int(random() % kOne),
+          within(kOne * 6 / 10),
+          within(kOne * 6 / 10)};
 }
 
 bool equal(const shader::EccTarget& a, const shader::EccTarget& b) {

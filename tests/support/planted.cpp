@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "planted.h"
+#include "support/planted.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "optimise/alignment_buffers.h"
+
+#include <array>
+
+#include "base/check.h"
+#include "gpu/barrier.h"
+#include "gpu/descriptors.h"
+#include "gpu/pipeline.h"
+#include "gpu/upload.h"
+
+namespace ibr {
+namespace {
+
+using namespace shader;
+
+AlignmentMesh describe(const StarMesh& mesh, std::span<const Texels> pictures) {
+  AlignmentMesh described{};
+  described.members = std::uint32_t(mesh.memberCount());
+  described.points = std::uint32_t(mesh.pointCount());
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    described.pictures[i] = {mesh.size[i], first, std::uint32_t(pictures[i].stride)};
+    first += std::uint32_t(pictures[i].words.size());
+  }
+  return described;
+}
+
+std::vector<glm::uvec3> keptOf(const StarMesh& mesh) {
+  std::vector<glm::uvec3> kept;
+  for (std::size_t k = 0; k < mesh.kept.values.size(); ++k)
+    kept.push_back({mesh.kept.values[k], mesh.keptWhere.values[k]});
+  return kept;
+}
+
+std::vector<glm::uvec3> bordersOf(const StarMesh& mesh) {
+  static_assert(kBorderInterior == std::uint32_t(Border::interior) && kBorderSlides == std::uint32_t(Border::slides) &&
+                kBorderFixed == std::uint32_t(Border::fixed));
+  std::vector<glm::uvec3> borders;
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p) borders.push_back({mesh.chord[p], std::uint32_t(mesh.border[p])});
+  return borders;
+}
+
+template <class T>
+std::span<const T> mappedAs(const Buffer& buffer) {
+  return {reinterpret_cast<const T*>(buffer.mapped().data()), buffer.size() / sizeof(T)};
+}
+
+void copyWhole(VkCommandBuffer commands, const Buffer& from, const Buffer& to) {
+  const VkBufferCopy region{0, 0, to.size()};
+  vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+}
+
+}  // namespace
+
+AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures) {
+  check(device.counts64Bits(), ErrorCode::unsupported, "{}: shaders cannot count in 64 bits; align on the processor",
+        device.name());
+  const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
+  std::size_t texels = 0;
+  for (const Texels& picture : pictures) texels += picture.words.size();
+  check(texels * sizeof(std::uint32_t) <= device.properties().limits.maxStorageBufferRange, ErrorCode::unsupported,
+        "{}: pictures of {} MiB in all do not fit into a buffer; align on the processor", device.name(), texels >> 18);
+
+  const std::size_t moving = std::max<std::size_t>(mesh.colours.values.size(), 1);
+  const auto make = [&](int binding, std::size_t bytes, const char* name) {
+    buffers_[std::size_t(binding)] =
+        Buffer(device, std::max<std::size_t>(bytes, 16),
+               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+               MemoryKind::device, name);
+  };
+  buffers_.resize(kAlignmentBindings);
+  Uploader uploader(device);
+  const auto fill = [&](int binding, std::span<const std::byte> bytes, const char* name) {
+    make(binding, bytes.size(), name);
+    if (!bytes.empty()) uploader.buffer(buffers_[std::size_t(binding)], 0, bytes);
+  };
+  const AlignmentMesh described = describe(mesh, pictures);
+  const std::vector<glm::uvec3> kept = keptOf(mesh), borders = bordersOf(mesh);
+  fill(kBindingAlignment, std::as_bytes(std::span(&described, 1)), "alignment");
+  fill(kBindingStarFirst, std::as_bytes(std::span(mesh.star.first)), "first edges of stars");
+  fill(kBindingStarEdges, std::as_bytes(std::span(mesh.star.values)), "edges of stars");
+  fill(kBindingKeptFirst, std::as_bytes(std::span(mesh.kept.first)), "first edges kept");
+  fill(kBindingKeptEdges, std::as_bytes(std::span(kept)), "edges kept");
+  fill(kBindingBorder, std::as_bytes(std::span(borders)), "borders");
+  fill(kBindingPoints, std::as_bytes(std::span(mesh.colours.values)), "points that move");
+  make(kBindingTexels, texels * sizeof(std::uint32_t), "pictures to be aligned");
+  for (std::size_t i = 0; i < d; ++i)
+    uploader.buffer(buffers_[kBindingTexels], VkDeviceSize(described.pictures[i].firstTexel) * sizeof(std::uint32_t),
+                    std::as_bytes(std::span(pictures[i].words)));
+  uploader.flush();
+  make(kBindingPositions, d * n * sizeof(glm::ivec2), "positions");
+  make(kBindingOutcomes, d * moving * sizeof(AlignmentOutcome), "outcomes");
+  make(kBindingJudgements, d * n * sizeof(AlignmentJudgement), "judgements");
+  const auto host = [&](int binding, const char* name) {
+    return Buffer(device, buffers_[std::size_t(binding)].size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback,
+                  name);
+  };
+  hostPositions_ = host(kBindingPositions, "positions, read back");
+  hostOutcomes_ = host(kBindingOutcomes, "outcomes, read back");
+  hostJudgements_ = host(kBindingJudgements, "judgements, read back");
+
+  std::array<VkDescriptorSetLayoutBinding, kAlignmentBindings> bindings;
+  for (std::uint32_t b = 0; b < bindings.size(); ++b)
+    bindings[b] = {b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
+                   VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  layout_ = makeSetLayout(device, bindings);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kAlignmentBindings};
+  pool_ = makeDescriptorPool(device, 1, {&size, 1});
+  set_ = allocateSet(device, pool_.get(), layout_.get());
+  for (std::uint32_t b = 0; b < bindings.size(); ++b) writeStorageBuffer(device, set_, b, buffers_[b].get());
+}
+
+void AlignmentBuffers::upload(const Device& device, const Positions& at) {
+  Uploader uploader(device, VkDeviceSize(1) << 20);
+  VkDeviceSize offset = 0;
+  for (const auto& member : at) {
+    const auto bytes = std::as_bytes(std::span(member));
+    if (!bytes.empty()) uploader.buffer(buffers_[kBindingPositions], offset, bytes);
+    offset += bytes.size();
+  }
+  uploader.flush();
+}
+
+void AlignmentBuffers::recordReadback(VkCommandBuffer commands) const noexcept {
+  bufferBarrier(commands, use::kComputeReadWrite, use::kTransferRead);
+  copyWhole(commands, buffers_[kBindingPositions], hostPositions_);
+  copyWhole(commands, buffers_[kBindingOutcomes], hostOutcomes_);
+  bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
+}
+
+void AlignmentBuffers::recordJudgementReadback(VkCommandBuffer commands) const noexcept {
+  bufferBarrier(commands, use::kComputeReadWrite, use::kTransferRead);
+  copyWhole(commands, buffers_[kBindingJudgements], hostJudgements_);
+  bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
+}
+
+std::span<const glm::ivec2> AlignmentBuffers::positions() const noexcept {
+  return mappedAs<glm::ivec2>(hostPositions_);
+}
+std::span<const AlignmentOutcome> AlignmentBuffers::outcomes() const noexcept {
+  return mappedAs<AlignmentOutcome>(hostOutcomes_);
+}
+std::span<const AlignmentJudgement> AlignmentBuffers::judgements() const noexcept {
+  return mappedAs<AlignmentJudgement>(hostJudgements_);
+}
+
+}  // namespace ibr

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The optimiser on a device against the processor's way: the same mesh, sums and counts, bit for bit.
+#include <catch2/catch.hpp>
+
+#include "ibr/optimiser.h"
+#include "support/gpu.h"
+#include "support/planted.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+AlignmentSummary alignedBy(AlignmentMethod method, AlignmentOptions options, Alignment& alignment) {
+  options.method = method;
+  return align(alignment, options, &testDevice());
+}
+
+void expectSame(const AlignmentSummary& a, const AlignmentSummary& b) {
+  CHECK(a.initialEcc == b.initialEcc);
+  CHECK(a.finalEcc == b.finalEcc);
+  CHECK(a.initialEccPaper == b.initialEccPaper);
+  CHECK(a.finalEccPaper == b.finalEccPaper);
+  CHECK(a.bestCycle == b.bestCycle);
+  REQUIRE(a.cycles.size() == b.cycles.size());
+  for (std::size_t c = 0; c < a.cycles.size(); ++c) {
+    CAPTURE(c);
+    CHECK(a.cycles[c].ecc == b.cycles[c].ecc);
+    CHECK(a.cycles[c].mutations == b.cycles[c].mutations);
+    CHECK(a.cycles[c].pixels == b.cycles[c].pixels);
+    CHECK(a.cycles[c].moved == b.cycles[c].moved);
+    CHECK(a.cycles[c].refused == b.cycles[c].refused);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("compute and cpu make the same mesh") {
+  AlignmentOptions options;
+  options.instances = GENERATE(16, 100);
+  options.prune = GENERATE(false, true);
+  options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
+  options.mostCycles = 2;
+  const int members = options.instances == 16 ? 3 : 2;
+  Planted onCpu = planted(members, 72, 3, 2.0, 11), onDevice = planted(members, 72, 3, 2.0, 11);
+  const AlignmentSummary cpu = alignedBy(AlignmentMethod::cpu, options, onCpu.alignment);
+  const AlignmentSummary compute = alignedBy(AlignmentMethod::compute, options, onDevice.alignment);
+  expectSame(cpu, compute);
+  CHECK(cpu.cycles[0].moved > 3);
+  CHECK(onCpu.alignment.position == onDevice.alignment.position);
+}
+
+TEST_CASE("a guard is asked by compute as by cpu, and what it refuses is taken back") {
+  AlignmentOptions options;
+  options.instances = 24;
+  options.mostCycles = 2;
+  options.guard = [](std::uint32_t point, std::span<const glm::ivec2> match) {
+    return point % 2 == 0 && (match[0].x & 3) != 1;
+  };
+  Planted onCpu = planted(2, 72, 3, 2.0, 12), onDevice = planted(2, 72, 3, 2.0, 12);
+  const auto before = onCpu.alignment.position;
+  const AlignmentSummary cpu = alignedBy(AlignmentMethod::cpu, options, onCpu.alignment);
+  const AlignmentSummary compute = alignedBy(AlignmentMethod::compute, options, onDevice.alignment);
+  expectSame(cpu, compute);
+  CHECK(cpu.cycles[0].refused > 0);
+  CHECK(cpu.cycles[0].moved > 0);
+  CHECK(onCpu.alignment.position == onDevice.alignment.position);
+  for (std::size_t p = 1; p < before[0].size(); p += 2) CHECK(onDevice.alignment.position[1][p] == before[1][p]);
+}
