@@ -6,12 +6,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #include "optimise/star.glsl"
+#include "optimise/candidates.glsl"
 
 layout(local_size_x = kAlignmentGroup) in;
 
-layout(binding = kBindingKeptFirst, scalar) readonly buffer KeptFirst { uint keptFirst[]; };
-layout(binding = kBindingKeptEdges, scalar) readonly buffer KeptEdges { uvec3 keptEdges[]; };
-layout(binding = kBindingBorder, scalar) readonly buffer Borders { uvec3 borders[]; };
 layout(binding = kBindingPoints, scalar) readonly buffer Points { uint points[]; };
 layout(binding = kBindingOutcomes, scalar) writeonly buffer Outcomes { AlignmentOutcome outcomes[]; };
 
@@ -29,56 +27,9 @@ shared uint bestInstances[kAlignmentGroup];
 shared uint judgedBy[kAlignmentGroup];
 shared int64_t pixelsBy[kAlignmentGroup];
 
-int reachOf(uint member, uint point) {
-  int most = todo.radius;
-  for (uint e = starFirst[point]; e < starFirst[point + 1u]; ++e) {
-    const uvec2 edge = starEdges[e];
-    const ivec2 p = positionIn(member, point), a = positionIn(member, edge.x), b = positionIn(member, edge.y);
-    most = min(most, eccReach(p, a, b));
-    for (uint k = 0u; k < mesh.members; ++k)
-      if (k != member)
-        most = min(most, eccReach(p + positionIn(k, point), a + positionIn(k, edge.x), b + positionIn(k, edge.y)));
-    if (mesh.members > 2u)
-      most = min(most, eccReach(sumOfPositions(point), sumOfPositions(edge.x), sumOfPositions(edge.y)));
-  }
-  return most;
-}
-
-ivec2 offsetOf(uint member, uint point, uint instance) {
-  if (instance == 0u) return ivec2(0);
-  const uint own = eccHash(eccPointSeed(todo.seed, member, point), instance);
-  const uvec3 border = borders[point];
-  if (border.z == kBorderInterior) return eccInDisc(own, reach);
-  return eccAlong(own, reach, positionIn(member, border.y) - positionIn(member, border.x));
-}
-
-bool unfolded(ivec2 a, ivec2 b, ivec2 c) { return eccArea(a, b, c) > int64_t(0); }
-
-bool fits(uint member, uint point, ivec2 offset) {
-  const ivec2 to = positionIn(member, point) + offset, most = mesh.pictures[member].size * 128;
-  if (to.x < 0 || to.y < 0 || to.x > most.x || to.y > most.y) return false;
-  for (uint e = starFirst[point]; e < starFirst[point + 1u]; ++e) {
-    const uvec2 edge = starEdges[e];
-    const ivec2 a = positionIn(member, edge.x), b = positionIn(member, edge.y);
-    if (!unfolded(to, a, b)) return false;
-    for (uint k = 0u; k < mesh.members; ++k)
-      if (k != member && !unfolded(to + positionIn(k, point), a + positionIn(k, edge.x), b + positionIn(k, edge.y)))
-        return false;
-    if (mesh.members > 2u &&
-        !unfolded(sumOfPositions(point) + offset, sumOfPositions(edge.x), sumOfPositions(edge.y)))
-      return false;
-  }
-  for (uint e = keptFirst[point]; e < keptFirst[point + 1u]; ++e) {
-    const uvec3 edge = keptEdges[e];
-    if (((edge.z >> member) & 1u) != 0u && !unfolded(to, positionIn(member, edge.x), positionIn(member, edge.y)))
-      return false;
-  }
-  return true;
-}
-
 EccScore judgedScore(uint member, uint point, uint instance, int step, int phase, inout uint judged,
                      inout int64_t pixels) {
-  const StarSums sums = judgedStar(member, point, offsetOf(member, point, instance), step, phase);
+  const StarSums sums = judgedStar(member, point, offsetOf(member, point, reach, todo.seed, instance), step, phase);
   ++judged;
   pixels += pixelsOf(sums);
   return scoreOf(sums, todo.definition, todo.floor);
@@ -94,7 +45,7 @@ bool comesBefore(EccScore a, uint instanceA, EccScore b, uint instanceB) {
 void choose(uint member, uint point, uint lane, inout uint judged, inout int64_t pixels) {
   const uint seed = eccPointSeed(todo.seed, member, point);
   for (uint m = lane; m < instanceCount; m += kAlignmentGroup)
-    chosen[m] = m > 0u && fits(member, point, offsetOf(member, point, m)) ? 1u : 0u;
+    chosen[m] = m > 0u && fits(member, point, offsetOf(member, point, reach, todo.seed, m)) ? 1u : 0u;
   barrier();
   if (lane == 0u) {
     chosenCount = 0u;
@@ -129,7 +80,7 @@ void main() {
   const uint lane = gl_LocalInvocationID.x, at = todo.first + gl_WorkGroupID.x;
   const uint member = todo.member, point = points[at], outcome = todo.firstOutcome + gl_WorkGroupID.x;
   if (lane == 0u) {
-    reach = reachOf(member, point);
+    reach = reachOf(member, point, todo.radius);
     instanceCount =
         todo.scaled != 0u ? eccInstances(todo.instances, reach, todo.radius) : todo.instances;
     if (reach == 0) instanceCount = 0u;
@@ -171,7 +122,7 @@ void main() {
     }
   }
   const bool moves = bestInstance != ~0u && eccWins(best, firstScore);
-  const ivec2 offset = moves ? offsetOf(member, point, bestInstance) : ivec2(0);
+  const ivec2 offset = moves ? offsetOf(member, point, reach, todo.seed, bestInstance) : ivec2(0);
   if (moves) positions[member * mesh.points + point] += offset;
   outcomes[outcome] = AlignmentOutcome(offset, judged, 0u, pixels);
 }

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The star of a point at one of its candidates ([T] §3.6), as libibr/src/optimise/judge.cpp and star_mesh.cpp have it.
-#include "shared/alignment.h"
+#include "optimise/mesh.glsl"
 
-layout(binding = kBindingAlignment, scalar) readonly buffer Mesh { AlignmentMesh mesh; };
 layout(binding = kBindingTexels, scalar) readonly buffer Texels { uint texels[]; };
-layout(binding = kBindingPositions, scalar) buffer Positions { ivec2 positions[]; };
-layout(binding = kBindingStarFirst, scalar) readonly buffer StarFirst { uint starFirst[]; };
-layout(binding = kBindingStarEdges, scalar) readonly buffer StarEdges { uvec2 starEdges[]; };
 
 struct StarSums {
   EccTarget targets[3];
@@ -18,14 +14,6 @@ struct PairMaps {
   uint member, other;
   ivec2 origin;
 };
-
-ivec2 positionIn(uint member, uint point) { return positions[member * mesh.points + point]; }
-
-ivec2 sumOfPositions(uint point) {
-  ivec2 sum = ivec2(0);
-  for (uint i = 0u; i < mesh.members; ++i) sum += positionIn(i, point);
-  return sum;
-}
 
 ivec3 sampled(int texel, int stride, int x, int y) {  // coordinates along a run
   const int upper = texel + (y >> kEccRunBits) * stride + (x >> kEccRunBits), lower = upper + stride;

@@ -31,6 +31,18 @@ IBR_CONSTANT int kBindingOutcomes = 9;    // AlignmentOutcome: of a step's point
 IBR_CONSTANT int kBindingJudgements = 10;  // AlignmentJudgement, picture after picture
 IBR_CONSTANT int kAlignmentBindings = 11;
 
+// The paper's way: a second set, of a source and a target.
+IBR_CONSTANT int kBindingSource = 0;    // pictures, sampled
+IBR_CONSTANT int kBindingTarget = 1;
+IBR_CONSTANT int kBindingSumsOf = 2;    // int64_t: six sums a slot, x, y, xx, yy, xy, n ([T] §3.5); slots of a candidate
+                                        // one after another
+
+/// Slots of a candidate: one in all, or one a target and channel.
+IBR_FUNCTION uint eccSlots(uint definition, uint members) {
+  return definition == kEccConcatenated ? 1u : 3u * (members - 1u);
+}
+IBR_CONSTANT uint kEccSums = 6u;
+
 struct AlignmentPicture {
   ivec2 size;        // px
   uint firstTexel;   // of texel (−1, −1)
@@ -58,15 +70,15 @@ struct AlignmentJudgement {
 /// Push constants.
 struct AlignmentStep {
   uint member;
-  uint first;         // of the points, in their list
-  int radius;         // R, 1/128 px
+  uint first;         // of the points, in their list; raster: the point
+  int radius;         // R, 1/128 px; raster: how far the point may go
   uint seed;          // of the cycle
   uint instances;     // M
   uint scaled;        // 1: M′ = M·r²/R²
   uint definition;
   uint prune;
   uint firstOutcome;
-  uint unused;
+  uint target;        // raster: picture, of the draw
   int64_t floor;  // variance floor, 2⁻¹⁶ grey²
 };
 

@@ -67,3 +67,31 @@ TEST_CASE("a guard is asked by compute as by cpu, and what it refuses is taken b
   CHECK(onCpu.alignment.position == onDevice.alignment.position);
   for (std::size_t p = 1; p < before[0].size(); p += 2) CHECK(onDevice.alignment.position[1][p] == before[1][p]);
 }
+
+TEST_CASE("the paper's pass covers the pixels that the other methods cover") {
+  AlignmentOptions options;
+  options.instances = 12;
+  options.mostCycles = 1;
+  options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
+  options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };  // so that all judge the same
+  Planted planted = test::planted(3, 72, 3, 2.0, 13);
+  const AlignmentSummary cpu = alignedBy(AlignmentMethod::cpu, options, planted.alignment);
+  const AlignmentSummary raster = alignedBy(AlignmentMethod::raster, options, planted.alignment);
+  CHECK(raster.cycles[0].mutations == cpu.cycles[0].mutations);
+  CHECK(raster.cycles[0].pixels == cpu.cycles[0].pixels);
+  // Samplers have weights of eight bits: now and then another candidate is a hair better.
+  CHECK(double(raster.cycles[0].refused) == Approx(double(cpu.cycles[0].refused)).margin(3));
+}
+
+TEST_CASE("the paper's pass finds planted shifts, by either definition") {
+  AlignmentOptions options;
+  options.decay = 0.6;
+  options.threshold = 1e-5;
+  options.mostCycles = 9;
+  options.instances = 32;
+  options.definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
+  Planted planted = test::planted(2, 72, 3, 2.0, 14);
+  REQUIRE(matchError(planted).mean > 1);
+  alignedBy(AlignmentMethod::raster, options, planted.alignment);
+  CHECK(matchError(planted).mean < 0.1);
+}

@@ -35,7 +35,7 @@ ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint3
 
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info) {
   const bool depthOnly = info.depthFormat != VK_FORMAT_UNDEFINED && info.colourFormats.empty();
-  assert((info.renderPass != VK_NULL_HANDLE) + !info.colourFormats.empty() + depthOnly == 1);
+  assert((info.renderPass != VK_NULL_HANDLE) + !info.colourFormats.empty() + depthOnly + !info.attachments == 1);
   constexpr std::uint32_t kMostColours = 4;
   const auto colours = info.renderPass ? 1u : std::uint32_t(info.colourFormats.size());
   assert(colours <= kMostColours);

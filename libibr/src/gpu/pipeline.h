@@ -30,6 +30,7 @@ struct GraphicsPipelineInfo {
   VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; or else
   std::span<const VkFormat> colourFormats;     // of dynamic rendering
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written untested
+  bool attachments = true;                     // false: dynamic rendering without any; fragments only store
   bool depthTest = false;                      // passes where less
   bool depthWrite = false;
   bool depthClamp = false;

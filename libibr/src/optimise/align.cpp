@@ -59,6 +59,9 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
     case AlignmentMethod::compute:
       check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
       return computeMover(input, *device);
+    case AlignmentMethod::raster:
+      check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
+      return rasterMover(input, *device);
     default:
       fail(ErrorCode::unsupported, "this method of alignment is not there yet");
   }

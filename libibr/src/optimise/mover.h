@@ -45,6 +45,7 @@ struct MoverInput {
 
 std::unique_ptr<Mover> cpuMover(const MoverInput& input);
 std::unique_ptr<Mover> computeMover(const MoverInput& input, const Device& device);
+std::unique_ptr<Mover> rasterMover(const MoverInput& input, const Device& device);
 
 /// Where a point stands in all pictures.
 std::vector<glm::ivec2> matchOf(const Positions& at, std::uint32_t point);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The mesh that is aligned, in the buffers of shared/alignment.h.
+#include "shared/alignment.h"
+
+#ifdef POSITIONS_ARE_READ
+#define POSITION_ACCESS readonly
+#else
+#define POSITION_ACCESS
+#endif
+
+layout(binding = kBindingAlignment, scalar) readonly buffer Mesh { AlignmentMesh mesh; };
+layout(binding = kBindingPositions, scalar) POSITION_ACCESS buffer Positions { ivec2 positions[]; };
+layout(binding = kBindingStarFirst, scalar) readonly buffer StarFirst { uint starFirst[]; };
+layout(binding = kBindingStarEdges, scalar) readonly buffer StarEdges { uvec2 starEdges[]; };
+
+ivec2 positionIn(uint member, uint point) { return positions[member * mesh.points + point]; }
+
+ivec2 sumOfPositions(uint point) {
+  ivec2 sum = ivec2(0);
+  for (uint i = 0u; i < mesh.members; ++i) sum += positionIn(i, point);
+  return sum;
+}
