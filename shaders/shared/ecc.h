@@ -104,8 +104,11 @@ IBR_FUNCTION EccMap eccMap(ivec2 ma, ivec2 mb, ivec2 mc, ivec2 ta, ivec2 tb, ive
                 vy = int64_t(tc.y - ta.y);
   const int64_t scale = int64_t(1) << (kEccCoordinateBits + 1);
   EccMap map;
-  map.originX = (int64_t(ta.x) << (kEccCoordinateBits - 7)) - (int64_t(1) << (kEccCoordinateBits - 1));
-  map.originY = (int64_t(ta.y) << (kEccCoordinateBits - 7)) - (int64_t(1) << (kEccCoordinateBits - 1));
+  // To the centre of the first texel, and half a weight on, so that weights are rounded where bits are dropped.
+  const int64_t shift = (int64_t(1) << (kEccCoordinateBits - kEccWeightBits - 1)) -
+                        (int64_t(1) << (kEccCoordinateBits - 1));
+  map.originX = (int64_t(ta.x) << (kEccCoordinateBits - 7)) + shift;
+  map.originY = (int64_t(ta.y) << (kEccCoordinateBits - 7)) + shift;
   map.xByX = (ux * cy - vx * by) * scale / area;
   map.xByY = (vx * bx - ux * cx) * scale / area;
   map.yByX = (uy * cy - vy * by) * scale / area;

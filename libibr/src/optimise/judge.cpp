@@ -129,8 +129,7 @@ std::int64_t floorOf(double varianceFloor) {
 
 double eccOf(const shader::EccScore& score) {
   if (!shader::eccDefined(score)) return 0;
-  const double value =
-      double(score.covariance) / (std::sqrt(double(score.varianceX)) * std::sqrt(double(score.varianceY)));
+  const double value = double(score.covariance) / std::sqrt(double(score.varianceX) * double(score.varianceY));
   return std::clamp(value, -1.0, 1.0);
 }
 
