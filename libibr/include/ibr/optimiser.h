@@ -74,7 +74,6 @@ struct AlignmentCycle {
   std::uint64_t pixels = 0;      // pairs of samples that were compared for them
   std::size_t moved = 0;         // points, a picture each
   std::size_t refused = 0;       // by the guard
-  std::uint64_t wrongPicks = 0;  // prune, when counted (countWrongPicks in tests and benchmarks)
   double seconds = 0;
 };
 

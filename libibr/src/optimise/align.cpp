@@ -110,7 +110,7 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
     const MeanEcc mean = meanOf(mover->judgeAll(at), mesh, options.varianceFloor);
     const double ecc = mean.of(options.definition), before = last.of(options.definition);
     summary.cycles.push_back({double(request.radius) / kAlignmentUnitsPerPixel, ecc, counts.mutations, counts.pixels,
-                              counts.moved, counts.refused, 0, secondsSince(cycleStart)});
+                              counts.moved, counts.refused, secondsSince(cycleStart)});
     last = mean;
     if (ecc > bestMean.of(options.definition)) best = at, bestMean = mean, summary.bestCycle = std::size_t(c) + 1;
     const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kLeastScale);
