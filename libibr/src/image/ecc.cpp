@@ -150,7 +150,7 @@ bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b, EccDefinit
   };
   if (!defined(partsA, p)) return false;
   const int sign = p.covariance.sign();
-  if (!defined(partsB, q)) return sign > 0;
+  if (!defined(partsB, q)) return true;
   if (sign != q.covariance.sign()) return sign > q.covariance.sign();
   const Wide left = p.covariance * p.covariance * q.varianceX * q.varianceY;
   const Wide right = q.covariance * q.covariance * p.varianceX * p.varianceY;

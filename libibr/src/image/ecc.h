@@ -46,9 +46,9 @@ struct PreEcc {
 Ecc ecc(std::span<const PreEcc> sums, EccDefinition definition = EccDefinition::channels,
         std::int64_t varianceFloor = 0);
 
-/// Whether a's ECC is truly greater than b's, decided in whole numbers. What is undefined is never greater, and counts
-/// as 0 otherwise; so the first of the best candidates is found by going through them in order. Throws
-/// Error{invalidInput} where the tuples of a or b have more than three different sample counts (a target has one).
+/// Whether a's ECC is truly greater than b's, decided in whole numbers; what is undefined is less than all that is
+/// defined. The first of the best candidates is found by going through them in order. Throws Error{invalidInput} where
+/// the tuples of a or b have more than three different sample counts (a target has one).
 bool eccGreater(std::span<const PreEcc> a, std::span<const PreEcc> b,
                 EccDefinition definition = EccDefinition::channels, std::int64_t varianceFloor = 0);
 

@@ -53,20 +53,6 @@ struct Star {
 
 }  // namespace
 
-TEST_CASE("centred sums are whole, and off by less than one") {
-  std::mt19937_64 random(1);
-  for (int i = 0; i < 200'000; ++i) {
-    const auto n = std::int64_t(1 + random() % (std::uint64_t(9) << (random() % 25)));
-    const auto sum = [&] { return std::int64_t(random() % std::uint64_t(65535 * n + 1)) - 32767 * n; };
-    const std::int64_t x = sum(), y = sum();
-    const auto xy = std::int64_t(random() % std::uint64_t(n << 30));
-    const Int128 exact = Int128(n) * xy - Int128(x) * y;  // n times the centred sum
-    const Int128 off = Int128(n) * shader::eccCentred(xy, x, y, n) - exact;
-    REQUIRE(off >= 0);
-    REQUIRE(off < n);
-  }
-}
-
 TEST_CASE("scores are compared as whole numbers of any size are") {
   std::mt19937_64 random(2);
   const auto variance = [&] { return std::int64_t(random() >> (2 + random() % 62)); };
