@@ -2,7 +2,10 @@
 // The optimiser on a device against the processor's way: the same mesh, sums and counts, bit for bit.
 #include <catch2/catch.hpp>
 
+#include "gpu/submit.h"
+#include "ibr/ecc_pass.h"
 #include "ibr/optimiser.h"
+#include "optimise/mover.h"
 #include "support/gpu.h"
 #include "support/planted.h"
 
@@ -94,4 +97,40 @@ TEST_CASE("the paper's pass finds planted shifts, by either definition") {
   REQUIRE(matchError(planted).mean > 1);
   alignedBy(AlignmentMethod::raster, options, planted.alignment);
   CHECK(matchError(planted).mean < 0.1);
+}
+
+TEST_CASE("a caller's command buffer moves points as the optimiser does") {
+  AlignmentOptions options;
+  options.instances = 16;
+  Planted planted = test::planted(2, 72, 3, 2.0, 15);
+  const EccPass pass(testDevice(), planted.alignment, options);
+  REQUIRE(pass.classCount() > 1);
+  const auto run = [&](bool move) {
+    submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+      for (std::uint32_t picture = 0; move && picture < 2; ++picture)
+        for (std::uint32_t k = 0; k < pass.classCount(); ++k) pass.recordMove(commands, {picture, k, 3.0, 77});
+      pass.recordJudge(commands);
+      pass.recordReadback(commands);
+    });
+  };
+  run(false);
+  CHECK(pass.positions() == planted.alignment.position);
+  const std::vector<std::vector<EccStar>> before = pass.stars();
+  run(true);
+  const std::vector<std::vector<EccStar>> after = pass.stars();
+  double rise = 0;
+  for (std::size_t picture = 0; picture < 2; ++picture)
+    for (std::size_t p = 0; p < 16; ++p) {
+      CHECK(before[picture][p].pixels > 0);
+      rise += after[picture][p].channels - before[picture][p].channels;
+    }
+  CHECK(rise > 0.1);
+
+  // The same moves on the processor.
+  const StarMesh mesh = starMeshOf(planted.alignment);
+  std::vector<Texels> pictures;
+  for (const Image8& picture : planted.pictures) pictures.push_back(texelsOf(picture));
+  Positions at = planted.alignment.position;
+  cpuMover({mesh, pictures, options})->cycle({3 * kAlignmentUnitsPerPixel, 77}, at, [] {});
+  CHECK(pass.positions() == at);
 }

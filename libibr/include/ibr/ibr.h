@@ -5,6 +5,7 @@
 #include "ibr/camera.h"
 #include "ibr/conventions.h"
 #include "ibr/device.h"
+#include "ibr/ecc_pass.h"
 #include "ibr/error.h"
 #include "ibr/gpu_scene.h"
 #include "ibr/image.h"

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moves and judgements on the device: pipelines over AlignmentBuffers.
+#pragma once
+
+#include "optimise/alignment_buffers.h"
+#include "optimise/judge.h"
+
+namespace ibr {
+
+/// One class of points in one picture.
+struct ClassMove {
+  std::uint32_t member = 0, pointClass = 0;
+  int radius = 0;  // 1/128 px
+  std::uint32_t seed = 0;
+};
+
+class AlignmentPass {
+ public:
+  AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
+                const AlignmentOptions& options);
+
+  void upload(const Device& device, const Positions& at) { buffers_.upload(device, at); }
+
+  /// Each with a barrier to the next. Outcomes of a picture's points lie one after another, in the classes' order.
+  void recordMove(VkCommandBuffer commands, const ClassMove& move) const noexcept;
+  void recordJudge(VkCommandBuffer commands) const noexcept;
+  const AlignmentBuffers& buffers() const noexcept { return buffers_; }
+
+  std::uint32_t classCount() const noexcept { return std::uint32_t(firstOfClass_.size()) - 1; }
+  std::uint32_t firstOutcome(std::uint32_t member) const noexcept { return member * firstOfClass_.back(); }
+
+  /// What recordJudge found, read back: picture after picture.
+  std::vector<Judgement> judgements() const;
+
+ private:
+  void bind(VkCommandBuffer commands, VkPipeline pipeline) const noexcept;
+  void push(VkCommandBuffer commands, const shader::AlignmentStep& step) const noexcept;
+
+  AlignmentBuffers buffers_;
+  std::uint32_t members_, points_;
+  std::vector<std::uint32_t> firstOfClass_;
+  shader::AlignmentStep options_;  // what is the same in all steps
+  PipelineLayoutHandle layout_;
+  PipelineHandle judge_, move_;
+};
+
+}  // namespace ibr
