@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop around the methods: NUMERICS N3, T6.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <random>
 
+#include "optimise/judge.h"
+#include "support/error_of.h"
 #include "support/planted.h"
 
 using namespace ibr;
@@ -30,4 +34,112 @@ TEST_CASE("planted shifts are found to a tenth of a pixel") {
   CHECK(before > 1.0);
   CHECK(after.mean < 0.1);
   CHECK(summary.finalEcc > summary.initialEcc);
+}
+
+TEST_CASE("a move never lowers the ECC of its own star") {
+  auto planted = test::planted(3, 96, 4, 2.5, 8);
+  const StarMesh mesh = starMeshOf(planted.alignment);
+  std::vector<Texels> pictures;
+  for (const Image8& picture : planted.pictures) pictures.push_back(texelsOf(picture));
+  Positions at = planted.alignment.position;
+  int moves = 0, lowered = 0;
+  AlignmentOptions options = patient();
+  options.mostCycles = 3;
+  options.guard = [&](std::uint32_t point, std::span<const glm::ivec2> match) {
+    for (std::size_t member = 0; member < at.size(); ++member) {
+      if (match[member] == at[member][point]) continue;
+      const glm::ivec2 offset = match[member] - at[member][point];
+      const auto score = [&](glm::ivec2 by) {
+        return judge({mesh, pictures}, at, point, member, by).score(options.definition, options.varianceFloor);
+      };
+      lowered += !shader::eccGreater(score(offset), score(glm::ivec2(0)));
+      at[member][point] = match[member];
+      ++moves;
+    }
+    return true;
+  };
+  align(planted.alignment, options);
+  CHECK(moves > 50);
+  CHECK(lowered == 0);
+}
+
+TEST_CASE("the same seed gives the same mesh on any number of threads, another seed one as good") {
+  std::vector<double> ecc;
+  Positions first;
+  for (const std::uint64_t seed : {1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}) {
+    auto planted = test::planted(2, 96, 4, 2.5, 9);
+    AlignmentOptions options = patient();
+    options.prune = true;
+    options.seed = seed;
+    options.threads = ecc.empty() ? 1 : 3;
+    ecc.push_back(align(planted.alignment, options).finalEcc);
+    if (ecc.size() == 1) first = planted.alignment.position;
+    if (ecc.size() == 2) CHECK(planted.alignment.position == first);
+    if (ecc.size() == 3) CHECK(planted.alignment.position != first);
+  }
+  const auto [least, most] = std::ranges::minmax(ecc);
+  CHECK(most - least <= 0.002);
+}
+
+TEST_CASE("noise, its negative and nothing at all end") {
+  auto planted = test::planted(2, 64, 3, 0.0, 10);
+  std::mt19937 random(1);
+  SECTION("noise") {
+    for (Image8& picture : planted.pictures)
+      for (auto& v : picture.values) v = std::uint8_t(random());
+  }
+  SECTION("a negative: E <= 0 from the start") {
+    for (std::size_t i = 0; i < planted.pictures[0].values.size(); ++i)
+      planted.pictures[1].values[i] = std::uint8_t(255 - planted.pictures[0].values[i]);
+  }
+  SECTION("nothing") {
+    for (Image8& picture : planted.pictures) picture = Image8(64, 64, 3, 90);
+  }
+  AlignmentOptions options;
+  options.method = AlignmentMethod::cpu;
+  options.threshold = GENERATE(0.0, 0.005);
+  options.varianceFloor = GENERATE(0.0, 25.0);
+  options.decay = 0.8;
+  const AlignmentSummary summary = align(planted.alignment, options);
+  CHECK(summary.cycles.size() < 50);
+  CHECK(summary.finalEcc >= summary.initialEcc);
+}
+
+TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh stays") {
+  auto planted = test::planted(2, 96, 4, 2.5, 11);
+  AlignmentOptions options;
+  options.method = AlignmentMethod::cpu;
+  const AlignmentSummary summary = align(planted.alignment, options);
+  CHECK(summary.cycles.size() > 1);
+  REQUIRE(summary.bestCycle > 0);
+  CHECK(summary.finalEcc == summary.cycles[summary.bestCycle - 1].ecc);
+  for (const AlignmentCycle& cycle : summary.cycles) CHECK(cycle.ecc <= summary.finalEcc);
+  options.mostCycles = 1;
+  options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };
+  const AlignmentSummary again = align(planted.alignment, options);
+  CHECK(again.initialEcc == summary.finalEcc);
+  CHECK(again.bestCycle == 0);
+}
+
+TEST_CASE("options out of range and a stop are told, and leave the alignment alone") {
+  auto planted = test::planted(2, 64, 3, 1.0, 12);
+  const auto before = planted.alignment.position;
+  const auto faultOf = [&](auto&& spoil) {
+    AlignmentOptions options;
+    options.method = AlignmentMethod::cpu;
+    spoil(options);
+    return std::string(test::errorOf([&] { align(planted.alignment, options); }).what());
+  };
+  CHECK(faultOf([](auto& o) { o.instances = 1; }) == "alignment: instances 1: 2 to 256");
+  CHECK(faultOf([](auto& o) { o.radiusPx = 65; }) == "alignment: radius 65 px: above 0, at most 64");
+  CHECK(faultOf([](auto& o) { o.decay = 0; }) == "alignment: decay 0: above 0, at most 1");
+  CHECK(faultOf([](auto& o) { o.threshold = -1; }) == "alignment: threshold -1: at least 0");
+  CHECK(faultOf([](auto& o) { o.mostCycles = 0; }) == "alignment: cycles 0: at least 1");
+  CHECK(faultOf([](auto& o) { o.varianceFloor = -1; }) == "alignment: variance floor -1: 0 to 1000");
+  CHECK(faultOf([](auto& o) { o.method = AlignmentMethod::compute; }) == "alignment: this method needs a device");
+  int asked = 0;
+  const Error stopped = test::errorOf(
+      [&] { align(planted.alignment, patient(), nullptr, [&](const Progress&) { return ++asked < 3; }); });
+  CHECK(stopped.code() == ErrorCode::cancelled);
+  CHECK(planted.alignment.position == before);
 }
