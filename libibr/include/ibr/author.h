@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -118,6 +119,11 @@ enum class TriangleFilter : std::uint8_t {
   homogeneous,  // of these, in cells with planes (MorphMesh::planes), those whose corners share one
 };
 
+/// What is done to a scene when it is whole and not yet written; its photographs stand in its folder. Cells' meshes and
+/// qualities may change. What a stopped build need not do again may be kept in `finished` (optimiseCells does).
+using SceneFinisher = std::function<void(Scene& scene, const std::filesystem::path& finished,
+                                         const ProgressCallback& progress, const LogCallback& log)>;
+
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
   std::filesystem::path model;        // COLMAP model folder; or
@@ -138,6 +144,7 @@ struct BuildOptions {
                                         // whose results they never change; empty: in the output, until it is finished
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
   TriangleFilter triangleFilter = TriangleFilter::consistency;
+  SceneFinisher finish;     // none: nothing
   int threads = 0;          // 0 = all cores
   std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };

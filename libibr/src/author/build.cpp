@@ -31,7 +31,7 @@ constexpr double kLeastCoverage = 0.05;
 class Builder {
  public:
   Builder(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log)
-      : options_(options), log_(log), jobs_(options.threads, progress) {}
+      : options_(options), progress_(progress), log_(log), jobs_(options.threads, progress) {}
 
   BuildReport run() {
     jobs_.step("reading the model", 0, 1);
@@ -45,6 +45,7 @@ class Builder {
     makeCells();
     if (options_.backdrops) makeBackdrops();
     listUnused();
+    if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
     if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
@@ -85,7 +86,8 @@ class Builder {
 
   void warnOfEmptyPlan() const {
     if (!log_ || !plan_.cells.empty() || input_.photographs.size() < 2) return;
-    const bool shared = std::ranges::any_of(input_.model.tracks, [](const Track& t) { return t.observations.size() > 1; });
+    const bool shared =
+        std::ranges::any_of(input_.model.tracks, [](const Track& t) { return t.observations.size() > 1; });
     const std::string text = fmt::format(
         "none of the {} photographs can be joined: {}", input_.photographs.size(),
         shared ? "the reasons stand at the end"
@@ -151,8 +153,8 @@ class Builder {
     for (std::uint32_t i = 0; i < used.size(); ++i) {
       if (used[i]) continue;
       const auto failure = failure_.find(i);
-      scene_.unused.push_back({input_.photographs[i].name,
-                               failure != failure_.end() ? failure->second : planner_->whyUnused(i)});
+      scene_.unused.push_back(
+          {input_.photographs[i].name, failure != failure_.end() ? failure->second : planner_->whyUnused(i)});
     }
     scene_.unused.insert(scene_.unused.end(), input_.unknown.begin(), input_.unknown.end());
     report_.unused = scene_.unused;
@@ -176,7 +178,14 @@ class Builder {
     }
   }
 
+  void finish() {
+    scene_.folder = options_.output;
+    options_.finish(scene_, keptFolder(options_), progress_, log_);
+    for (std::size_t c = 0; c < scene_.cells.size(); ++c) report_.cells[c].quality = scene_.cells[c].quality;
+  }
+
   const BuildOptions& options_;
+  const ProgressCallback& progress_;
   const LogCallback& log_;
   const BuildJobs jobs_;
   BuildInput input_;

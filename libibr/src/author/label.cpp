@@ -44,36 +44,56 @@ glm::vec3 sampled(const Image8& picture, glm::vec2 at) {
   return glm::mix(glm::mix(texel(ix, iy), texel(jx, iy), fx), glm::mix(texel(ix, jy), texel(jx, jy), fx), fy);
 }
 
+// Means and spreads of each member's colours at the same places.
+class ExposureSums {
+ public:
+  explicit ExposureSums(std::size_t members) : mean_(members, glm::dvec3(0.0)), square_(mean_) {}
+
+  void add(std::span<const glm::dvec3> colours) {
+    ++count_;
+    for (std::size_t i = 0; i < mean_.size(); ++i) {
+      mean_[i] += colours[i];
+      square_[i] += colours[i] * colours[i];
+    }
+  }
+  std::vector<Exposure> result() const {
+    constexpr double kLeast = 100;
+    const std::size_t d = mean_.size();
+    std::vector<Exposure> result(d);
+    if (count_ < kLeast) return result;
+    std::vector<glm::dvec3> mean, spread;
+    glm::dvec3 commonMean(0.0), commonSpread(0.0);
+    for (std::size_t i = 0; i < d; ++i) {
+      mean.push_back(mean_[i] / count_);
+      spread.push_back(glm::sqrt(glm::max(square_[i] / count_ - mean[i] * mean[i], glm::dvec3(1.0))));
+      commonMean += mean[i] / double(d);
+      commonSpread += spread[i] / double(d);
+    }
+    for (std::size_t i = 0; i < d; ++i) {
+      result[i].gain = glm::clamp(commonSpread / spread[i], 0.25, 4.0);
+      result[i].offset = glm::vec3(commonMean) - result[i].gain * glm::vec3(mean[i]);
+    }
+    return result;
+  }
+
+ private:
+  double count_ = 0;
+  std::vector<glm::dvec3> mean_, square_;  // sums
+};
+
 std::vector<Exposure> exposures(std::span<const MatchView> views, const DenseMatch& match) {
-  std::vector<glm::dvec3> mean(views.size(), glm::dvec3(0.0)), square(views.size(), glm::dvec3(0.0));
-  double count = 0;
+  ExposureSums sums(views.size());
+  std::array<glm::dvec3, kMostMembers> colour;
   constexpr int kStride = 3;
   for (int y = 0; y < match.good.height; y += kStride)
     for (int x = 0; x < match.good.width; x += kStride) {
       const std::size_t at = std::size_t(y) * std::size_t(match.good.width) + std::size_t(x);
       if (!match.good.values[at]) continue;
-      ++count;
-      for (std::size_t i = 0; i < views.size(); ++i) {
-        const glm::dvec3 colour =
-            sampled(views[i].picture, {match.position[i].values[2 * at], match.position[i].values[2 * at + 1]});
-        mean[i] += colour;
-        square[i] += colour * colour;
-      }
+      for (std::size_t i = 0; i < views.size(); ++i)
+        colour[i] = sampled(views[i].picture, {match.position[i].values[2 * at], match.position[i].values[2 * at + 1]});
+      sums.add({colour.data(), views.size()});
     }
-  std::vector<Exposure> result(views.size());
-  if (count < 100) return result;
-  glm::dvec3 commonMean(0.0), commonSpread(0.0);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    mean[i] /= count;
-    square[i] = glm::sqrt(glm::max(square[i] / count - mean[i] * mean[i], glm::dvec3(1.0)));  // spread, from here on
-    commonMean += mean[i] / double(views.size());
-    commonSpread += square[i] / double(views.size());
-  }
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    result[i].gain = glm::clamp(commonSpread / square[i], 0.25, 4.0);
-    result[i].offset = glm::vec3(commonMean) - result[i].gain * glm::vec3(mean[i]);
-  }
-  return result;
+  return sums.result();
 }
 
 // Calls `visit` with barycentric coordinates of the samples of a triangle: pixel centres inside, or a lattice.
@@ -161,6 +181,42 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
     labels.push_back(label);
   }
   return labels;
+}
+
+std::vector<float> worstPairEcc(std::span<const Image8* const> pictures,
+                                std::span<const std::vector<glm::vec2>> member,
+                                std::span<const glm::uvec3> triangles) {
+  const std::size_t d = pictures.size();
+  std::vector<glm::vec3> list;
+  const auto forColours = [&](const glm::uvec3& t, auto&& visit) {
+    std::array<glm::vec2, 3> mean{};
+    for (std::size_t i = 0; i < d; ++i)
+      for (int k = 0; k < 3; ++k) mean[std::size_t(k)] += member[i][t[k]] / float(d);
+    forSamples(mean, pictures[0]->width, pictures[0]->height, list, [&](const glm::vec3& w) {
+      std::array<glm::dvec3, kMostMembers> colour;
+      for (std::size_t i = 0; i < d; ++i)
+        colour[i] = sampled(*pictures[i], w.x * member[i][t.x] + w.y * member[i][t.y] + w.z * member[i][t.z]);
+      visit(colour);
+    });
+  };
+  ExposureSums exposureSums(d);
+  for (const glm::uvec3& t : triangles)
+    forColours(t, [&](const auto& colour) { exposureSums.add({colour.data(), d}); });
+  const std::vector<Exposure> exposure = exposureSums.result();
+  std::vector<float> worst;
+  for (const glm::uvec3& t : triangles) {
+    std::array<EccSums, kMostPairs> sums;
+    forColours(t, [&](auto& colour) {
+      for (std::size_t i = 0; i < d; ++i)
+        colour[i] = glm::dvec3(exposure[i].gain) * colour[i] + glm::dvec3(exposure[i].offset);
+      for (std::size_t i = 0, pair = 0; i < d; ++i)
+        for (std::size_t j = 0; j < i; ++j, ++pair) sums[pair].add(colour[i], colour[j]);
+    });
+    worst.push_back(1.0f);
+    for (std::size_t pair = 0; pair < d * (d - 1) / 2; ++pair)
+      worst.back() = std::min(worst.back(), float(sums[pair].result(kNoise).value));
+  }
+  return worst;
 }
 
 }  // namespace ibr

@@ -23,4 +23,9 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
                                           std::span<const std::vector<glm::vec2>> member,
                                           std::span<const glm::uvec3> triangles);
 
+/// TriangleLabel::ecc alone, without a dense match: the mean of the members' positions, in px, stands for the frame.
+/// `pictures` are RGB; `member[i]` are the vertices in picture i.
+std::vector<float> worstPairEcc(std::span<const Image8* const> pictures, std::span<const std::vector<glm::vec2>> member,
+                                std::span<const glm::uvec3> triangles);
+
 }  // namespace ibr

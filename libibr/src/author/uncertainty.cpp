@@ -5,11 +5,6 @@
 #include <vector>
 
 namespace ibr {
-namespace {
-
-constexpr double kLevels = 1.1;  // fitted to exact depth, as the other two weights of 1 were
-
-}  // namespace
 
 void widenUncertainty(MorphMesh& mesh, std::span<const double> level) {
   std::vector<double> apart(mesh.pointCount(), 0.0), neighbours(mesh.pointCount(), 0.0);
@@ -24,7 +19,8 @@ void widenUncertainty(MorphMesh& mesh, std::span<const double> level) {
     }
   for (std::size_t v = 0; v < mesh.pointCount(); ++v) {
     const double own = mesh.uncertainty[v], around = neighbours[v] > 0 ? apart[v] / neighbours[v] : 0.0;
-    mesh.uncertainty[v] = float(std::sqrt(own * own + around * around + kLevels * kLevels * level[v] * level[v]));
+    mesh.uncertainty[v] =
+        float(std::sqrt(own * own + around * around + kUncertaintyLevels * kUncertaintyLevels * level[v] * level[v]));
   }
 }
 

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers and lists of them one after another, as kept files (kept_file.h) hold them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/check.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+class KeptWriter {
+ public:
+  template <class T>
+  void value(const T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto bytes = std::as_bytes(std::span(&v, 1));
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+  }
+  template <class T>
+  void list(const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    value(std::uint64_t(values.size()));
+    const auto bytes = std::as_bytes(std::span(values));
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+  }
+  void mesh(const MorphMesh& mesh);
+  std::vector<std::byte> take() { return std::move(out_); }
+
+ private:
+  std::vector<std::byte> out_;
+};
+
+/// Reads what a KeptWriter wrote, in the same order. Throws Error{invalidInput} where it ends too early.
+class KeptReader {
+ public:
+  explicit KeptReader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+
+  template <class T>
+  T value() {
+    T v;
+    take(&v, sizeof(T));
+    return v;
+  }
+  template <class T>
+  std::vector<T> list() {
+    const auto count = value<std::uint64_t>();
+    check(count <= (bytes_.size() - at_) / sizeof(T), ErrorCode::invalidInput, "a kept cell ends too early");
+    std::vector<T> values(count);
+    take(values.data(), values.size() * sizeof(T));
+    return values;
+  }
+  MorphMesh mesh();
+
+ private:
+  void take(void* to, std::size_t size) {
+    check(size <= bytes_.size() - at_, ErrorCode::invalidInput, "a kept cell ends too early");
+    if (size > 0) std::memcpy(to, bytes_.data() + at_, size);
+    at_ += size;
+  }
+  std::vector<std::byte> bytes_;
+  std::size_t at_ = 0;
+};
+
+inline void KeptWriter::mesh(const MorphMesh& mesh) {
+  value(std::uint64_t(mesh.memberCount()));
+  for (const auto& match : mesh.match) list(match);
+  for (const auto& ratio : mesh.ratio) list(ratio);
+  list(mesh.inverseDistance);
+  list(mesh.uncertainty);
+  list(mesh.triangles);
+  list(mesh.tier);
+  list(mesh.ecc);
+  list(mesh.planes);
+}
+
+inline MorphMesh KeptReader::mesh() {
+  MorphMesh mesh;
+  mesh.match.resize(value<std::uint64_t>());
+  mesh.ratio.resize(mesh.match.size());
+  for (auto& match : mesh.match) match = list<glm::vec2>();
+  for (auto& ratio : mesh.ratio) ratio = list<float>();
+  mesh.inverseDistance = list<float>();
+  mesh.uncertainty = list<float>();
+  mesh.triangles = list<glm::uvec3>();
+  mesh.tier = list<std::uint8_t>();
+  mesh.ecc = list<float>();
+  mesh.planes = list<glm::u16vec4>();
+  return mesh;
+}
+
+}  // namespace ibr

@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: Apache-2.0
+// optimiseScene() around optimisers that do as the test wants.
+#include "ibr/optimise_scene.h"
+
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <random>
+#include <set>
+
+#include "author/alignment_grid.h"
+#include "author/mean_frame.h"
+#include "author/mesh_signs.h"
+#include "author/range_again.h"
+#include "author/uncertainty.h"
+#include "base/file.h"
+#include "ibr/texture.h"
+#include "image/ktx2.h"
+#include "image/mips.h"
+#include "io/image_file.h"
+#include "scene/synthetic.h"
+#include "support/contents_below.h"
+#include "support/error_of.h"
+#include "support/posed_rig.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+// Three cameras before a wall, two lines and a triangle, as a scene's folder.
+class Wall {
+ public:
+  Wall() {
+    SyntheticOptions options;
+    for (const double x : {0.0, 0.5, 1.0})
+      options.cameras.push_back(lookingAlong({x, 0, 0.1 * x}, {0, 1, 0}, 160, 120));
+    options.planes = {{{0.5, 4, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.2}};
+    options.cells = {{0, 1}, {1, 2}, {0, 1, 2}};
+    options.gridStep = 16;
+    options.samplesPerAxis = 1;
+    SyntheticScene made = makeScene(options);
+    scene = std::move(made.scene);
+    for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+      Node& node = scene.nodes[i];
+      node.imageFile = fs::path("images") / (node.name + ".png");
+      node.textureFile = fs::path("textures") / (node.name + ".ktx2");
+      makeFolders(folder / "scene/images");
+      makeFolders(folder / "scene/textures");
+      writeImage(folder / "scene" / node.imageFile, made.photographs[i]);
+      writeKtx2(folder / "scene" / node.textureFile,
+                encodeTexture(buildMips(made.photographs[i]), TextureFormat::rgba8));
+    }
+    for (Cell& cell : scene.cells) {
+      cell.quality = {};
+      cell.quality.ecc = cell.quality.score = 0.5;
+      for (float& u : cell.mesh.uncertainty) u = 0.01f;
+    }
+    saveScene(scene, folder / "scene");
+    scene = loadScene(folder / "scene");
+  }
+  OptimiseSceneOptions options(const std::string& output = "out") const {
+    OptimiseSceneOptions o{folder / "scene", folder / output, {}};
+    o.cells.alignment.method = AlignmentMethod::cpu;
+    o.cells.threads = 1;
+    return o;
+  }
+
+  TemporaryFolder folder;
+  Scene scene;
+};
+
+AlignmentSummary summaryOf(const Alignment& a) {
+  AlignmentSummary summary;
+  summary.initialEcc = 0.5;
+  summary.finalEcc = 0.75;
+  summary.starEccBefore.assign(a.position[0].size(), 0.25f);
+  summary.starEccAfter.assign(a.position[0].size(), 0.5f);
+  summary.cycles.push_back({5, 0.75, 10, 100, 1, 0, 0, 0.1});
+  return summary;
+}
+
+AlignmentSummary doNothing(Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+  return summaryOf(a);
+}
+
+// Moves every `every`-th point in picture 0, if the guard allows it or is not asked.
+Aligner moving(glm::ivec2 by, std::size_t every = 3, bool asks = true) {
+  return [by, every, asks](Alignment& a, const AlignmentOptions& o, const ProgressCallback&) {
+    for (std::size_t p = 0; p < a.position[0].size(); p += every) {
+      if (a.fixed[p]) continue;
+      std::vector<glm::ivec2> match;
+      for (const auto& list : a.position) match.push_back(list[p]);
+      match[0] += by;
+      if (!asks || o.guard(std::uint32_t(p), match)) a.position[0][p] = match[0];
+    }
+    return summaryOf(a);
+  };
+}
+
+bool sameMesh(const MorphMesh& a, const MorphMesh& b) {
+  return a.match == b.match && a.ratio == b.ratio && a.inverseDistance == b.inverseDistance &&
+         a.uncertainty == b.uncertainty && a.triangles == b.triangles && a.tier == b.tier && a.ecc == b.ecc;
+}
+
+}  // namespace
+
+TEST_CASE("a scene in which nothing moves is the same scene in another folder") {
+  const Wall wall;
+  const auto report = optimiseScene(wall.options(), doNothing);
+  REQUIRE(report.cells.size() == 3);
+  CHECK(report.cells[2].cell == 2);
+  CHECK(report.cells[2].members.size() == 3);
+  CHECK(report.cells[0].width == 160);
+  CHECK(report.cells[0].judged > 20);
+  CHECK(report.cells[0].moved == 0);
+  CHECK(report.cells[0].summary.finalEcc == 0.75);
+  const Scene after = loadScene(wall.folder / "out");
+  REQUIRE(after.cells.size() == 3);
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(sameMesh(wall.scene.cells[c].mesh, after.cells[c].mesh));
+    CHECK(after.cells[c].quality.score == 0.5);
+  }
+  CHECK_THAT(after.settings, Contains(R"("optimised")") && Contains(R"("cpu")"));
+  CHECK(validateSceneFiles(wall.folder / "out").empty());
+  for (const Node& node : wall.scene.nodes) {
+    CHECK(fs::equivalent(wall.folder / "scene" / node.textureFile, wall.folder / "out" / node.textureFile));
+    CHECK(readImage(wall.folder / "out" / node.imageFile) == readImage(wall.folder / "scene" / node.imageFile));
+  }
+  CHECK(!fs::exists(wall.folder / "out/.optimise"));
+}
+
+TEST_CASE("points that moved get their place, ρ and label anew, all others keep every bit") {
+  const Wall wall;
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  // Along the baseline: nearer by a known amount.
+  const auto report = optimiseScene(options, moving({kAlignmentUnitsPerPixel, 0}));
+  const Scene after = loadScene(wall.folder / "out");
+  CHECK(sameMesh(wall.scene.cells[1].mesh, after.cells[1].mesh));
+  const MorphMesh &was = wall.scene.cells[0].mesh, &is = after.cells[0].mesh;
+  std::size_t moved = 0;
+  const Camera &first = wall.scene.nodes[0].camera, &second = wall.scene.nodes[1].camera;
+  for (std::size_t p = 0; p < was.pointCount(); ++p) {
+    CHECK(is.match[1][p] == was.match[1][p]);
+    if (is.match[0][p] == was.match[0][p]) {
+      CHECK(is.inverseDistance[p] == was.inverseDistance[p]);
+      CHECK(is.uncertainty[p] == was.uncertainty[p]);
+      CHECK(is.ratio[0][p] == was.ratio[0][p]);
+      continue;
+    }
+    ++moved;
+    CHECK(double(is.match[0][p].x) == Approx(double(was.match[0][p].x) + 1).margin(0.5 / kAlignmentUnitsPerPixel));
+    // The two rays nearly meet; where they do is how far the point is now.
+    const glm::dvec3 a = first.pose.rotation * unproject(first.intrinsics, is.match[0][p]);
+    const glm::dvec3 b = second.pose.rotation * unproject(second.intrinsics, is.match[1][p]);
+    const glm::dvec3 base = second.pose.position - first.pose.position, n = glm::cross(a, b);
+    const double s = glm::dot(glm::cross(base, b), n) / glm::dot(n, n);
+    CHECK(double(is.ratio[0][p]) / double(is.inverseDistance[p]) == Approx(s).epsilon(0.05));
+    CHECK(is.inverseDistance[p] > was.inverseDistance[p]);
+  }
+  CHECK(moved == report.cells[0].moved);
+  CHECK(moved > 10);
+  // A pixel off is worse than exact.
+  std::size_t worse = 0, touched = 0;
+  for (std::size_t t = 0; t < was.triangles.size(); ++t) {
+    const bool corner = is.match[0][was.triangles[t].x] != was.match[0][was.triangles[t].x] ||
+                        is.match[0][was.triangles[t].y] != was.match[0][was.triangles[t].y] ||
+                        is.match[0][was.triangles[t].z] != was.match[0][was.triangles[t].z];
+    if (!corner) CHECK(is.ecc[t] == was.ecc[t]);
+    touched += corner;
+    worse += corner && is.ecc[t] < was.ecc[t];
+  }
+  CHECK(worse > touched * 9 / 10);
+  CHECK(after.cells[0].quality.score == Approx(0.5 * after.cells[0].quality.ecc / 0.5).epsilon(1e-6));
+  CHECK(after.cells[0].quality.ecc < 1);
+}
+
+TEST_CASE("moves after which rays part, or miss their point by more than 3 px, are refused") {
+  const Wall wall;
+  const auto moves = [&](glm::ivec2 px) {
+    const fs::path out = wall.folder / "moves";
+    fs::remove_all(out);
+    OptimiseSceneOptions options = wall.options("moves");
+    options.cells.cells = {0};
+    return optimiseScene(options, moving(px * kAlignmentUnitsPerPixel, 9)).cells[0].moved;
+  };
+  CHECK(moves({1, 0}) > 5);
+  CHECK(moves({0, 5}) > 5);     // 2.5 px from the point that fits best
+  CHECK(moves({0, 7}) == 0);    // 3.5 px
+  CHECK(moves({-40, 0}) == 0);  // the wall is at 16 px of parallax
+}
+
+TEST_CASE("nothing turns over that was not, though points that did not move are not on the grid") {
+  const Wall wall;
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {2};
+  const auto report = optimiseScene(options, moving({0, -16 * kAlignmentUnitsPerPixel}, 5, false));
+  CHECK(report.cells[0].takenBack > 3);
+  const MorphMesh &was = wall.scene.cells[2].mesh, is = loadScene(wall.folder / "out").cells[2].mesh;
+  for (const glm::uvec3& t : was.triangles) CHECK((meshSigns(was.match, t) & ~meshSigns(is.match, t)) == 0);
+}
+
+TEST_CASE("what would fold over goes back") {
+  Wall wall;
+  const auto collapse = [](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+    const glm::uvec3 t = a.triangles[a.triangles.size() / 2];
+    for (auto& list : a.position) list[t.x] = list[t.y] + list[t.y] - list[t.x];  // far over the other side
+    return summaryOf(a);
+  };
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  const auto report = optimiseScene(options, collapse);
+  CHECK(report.cells[0].takenBack == 1);
+  CHECK(report.cells[0].moved == 0);
+  CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
+}
+
+TEST_CASE("a run that was stopped goes on, and comes to the same bytes") {
+  const Wall wall;
+  const Aligner move = moving({64, 0});
+  int calls = 0;
+  const Aligner stopsAtThird = [&](Alignment& a, const AlignmentOptions& o, const ProgressCallback& p) {
+    if (++calls == 3) throw Error(ErrorCode::cancelled, "stop");
+    return move(a, o, p);
+  };
+  CHECK(errorOf([&] { optimiseScene(wall.options(), stopsAtThird); }).code() == ErrorCode::cancelled);
+  CHECK(!fs::exists(wall.folder / "out/scene.gltf"));
+  calls = 10;
+  const auto report = optimiseScene(wall.options(), stopsAtThird);
+  CHECK(calls == 11);
+  CHECK(report.cells[0].resumed);
+  CHECK(report.cells[1].resumed);
+  CHECK(!report.cells[2].resumed);
+  CHECK(report.cells[0].summary.starEccAfter[3] == 0.5f);
+  CHECK(report.cells[0].summary.cycles.at(0).pixels == 100);
+  CHECK(report.cells[0].members.size() == 2);
+  optimiseScene(wall.options("whole"), move);
+  CHECK(contentsBelow(wall.folder / "out") == contentsBelow(wall.folder / "whole"));
+
+  // Other options are other cells.
+  OptimiseSceneOptions kept = wall.options("again");
+  kept.cells.finished = wall.folder / "kept";
+  optimiseScene(kept, stopsAtThird);
+  calls = 10;
+  CHECK(optimiseScene(kept, stopsAtThird).cells[2].resumed);
+  CHECK(calls == 10);
+  kept.cells.alignment.seed = 2;
+  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].resumed);
+}
+
+TEST_CASE("progress can stop a run, and reaches the optimiser") {
+  const Wall wall;
+  std::set<std::string> stages;
+  const ProgressCallback no = [&](const Progress& p) {
+    stages.insert(std::string(p.stage));
+    CHECK(p.done <= p.total);
+    return false;
+  };
+  CHECK(errorOf([&] { optimiseScene(wall.options(), doNothing, no); }).code() == ErrorCode::cancelled);
+  CHECK(stages == std::set<std::string>{"optimising cells"});
+  std::atomic<bool> started = false;
+  const Aligner waits = [&](Alignment& a, const AlignmentOptions&, const ProgressCallback& p) {
+    started = true;
+    while (p({"aligning", 1, 0})) {
+    }
+    throw Error(ErrorCode::cancelled, "stopped");
+    return summaryOf(a);
+  };
+  const ProgressCallback untilStarted = [&](const Progress&) { return !started; };
+  CHECK(errorOf([&] { optimiseScene(wall.options(), waits, untilStarted); }).code() == ErrorCode::cancelled);
+}
+
+TEST_CASE("cells share the processor, and have a device one after another") {
+  const Wall wall;
+  std::atomic<int> running = 0, most = 0, threads = 0;
+  const Aligner counts = [&](Alignment& a, const AlignmentOptions& o, const ProgressCallback&) {
+    const int now = ++running;
+    if (now > most) most = now;
+    threads = o.threads;
+    for (volatile int spin = 0; spin < 3000000;) spin = spin + 1;
+    --running;
+    return summaryOf(a);
+  };
+  OptimiseSceneOptions options = wall.options();
+  options.cells.threads = 2;
+  optimiseScene(options, counts);
+  CHECK(threads == 1);
+  CHECK(most <= 2);
+  options.cells.threads = 7;  // more than cells
+  optimiseScene(options, counts);
+  CHECK(threads == 2);
+  CHECK(most <= 3);
+  most = 0;
+  options.cells.alignment.method = AlignmentMethod::compute;
+  optimiseScene(options, counts);
+  CHECK(most == 1);
+}
+
+TEST_CASE("faults of the input are named, and nothing is left half-done") {
+  const Wall wall;
+  const auto fault = [&](auto&& change) {
+    OptimiseSceneOptions options = wall.options("faulty");
+    change(options);
+    return errorOf([&] { optimiseScene(options, doNothing); });
+  };
+  CHECK_THAT(fault([](auto& o) { o.cells.cells = {1, 7}; }).what(), Contains("no cell 7"));
+  CHECK_THAT(fault([](auto& o) { o.cells.cells = {1, 1}; }).what(), Contains("twice"));
+  CHECK_THAT(fault([](auto& o) { o.output = o.scene; }).what(), Contains("overwrite"));
+  CHECK(fault([](auto& o) { o.output.clear(); }).code() == ErrorCode::invalidInput);
+  CHECK(fault([](auto& o) { o.scene = "nowhere"; }).code() == ErrorCode::io);
+  CHECK(fault([](auto& o) { o.cells.threads = -1; }).code() == ErrorCode::invalidInput);
+  writeImage(wall.folder / "scene" / wall.scene.nodes[1].imageFile, Image8(8, 8, 3));
+  CHECK_THAT(fault([](auto&) {}).what(), Contains("view1") && Contains("160"));
+  fs::remove(wall.folder / "scene" / wall.scene.nodes[1].imageFile);
+  CHECK(fault([](auto&) {}).code() == ErrorCode::io);
+  CHECK(!fs::exists(wall.folder / "faulty/scene.gltf"));
+}
+
+TEST_CASE("onto the grid nothing turns over; what it cannot hold stays") {
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> jitter(-4, 4);
+  double judged = 0, could = 0;
+  for (int round = 0; round < 50; ++round) {
+    // Rows so near to each other that rounding alone would turn triangles over.
+    MorphMesh mesh;
+    mesh.match.resize(2 + std::size_t(round) % 3);
+    constexpr int kSide = 12;
+    for (auto& match : mesh.match)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x)
+          match.emplace_back(float(20 + 7 * x) + float(jitter(random)) / 512,
+                             float(30 + y * 9) / 512 + float(jitter(random)) / 512);
+    for (unsigned y = 0; y + 1 < kSide; ++y)
+      for (unsigned x = 0; x + 1 < kSide; ++x) {
+        const unsigned a = y * kSide + x;
+        mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, a + kSide}, {a + 1, a + kSide + 1, a + kSide}});
+      }
+    mesh.tier.assign(mesh.triangles.size(), kTierAgrees);
+    mesh.tier.back() = kTierRejected;
+    mesh.inverseDistance.assign(kSide * kSide, 0.0f);
+    const std::vector<glm::ivec2> size(mesh.match.size(), {120, 90});
+    const AlignmentGrid grid = ontoGrid(mesh, size);
+    CHECK(grid.alignment.triangles.size() + grid.alignment.kept.size() == mesh.triangles.size());
+    CHECK(!grid.alignment.triangles.empty());
+    std::vector<std::vector<glm::vec2>> place(mesh.match.size());
+    for (std::size_t i = 0; i < place.size(); ++i)
+      for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+        place[i].push_back(glm::vec2(grid.alignment.position[i][p]) / 128.0f);
+        CHECK(glm::distance(place[i][p], mesh.match[i][p]) < 0.03f);
+      }
+    for (const glm::uvec3& t : grid.alignment.triangles) {
+      CHECK(meshSigns(place, t) == allPositive(place.size()));
+      CHECK(meshSigns(mesh.match, t) == allPositive(place.size()));
+      for (int k = 0; k < 3; ++k) CHECK(!grid.alignment.fixed[t[k]]);
+    }
+    CHECK(std::size_t(std::ranges::count(grid.alignment.fixed, 1)) == grid.fixed);
+    judged += double(grid.alignment.triangles.size());
+    could += double(std::ranges::count_if(
+        mesh.triangles, [&](const glm::uvec3& t) { return meshSigns(mesh.match, t) == allPositive(place.size()); }));
+  }
+  CHECK(judged > 0.9 * could);
+}
+
+TEST_CASE("points outside a picture do not move") {
+  MorphMesh mesh;
+  mesh.match = {{{1, 1}, {9, 1}, {1, 9}, {9, 9.5f}}, {{1, 1}, {9, 1}, {1, 9}, {9, 10.5f}}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  mesh.tier = {0, 0};
+  mesh.inverseDistance.assign(4, 0.0f);
+  const AlignmentGrid grid = ontoGrid(mesh, {{10, 10}, {10, 10}});
+  CHECK(grid.fixed == 1);
+  CHECK(grid.alignment.fixed == std::vector<std::uint8_t>{0, 0, 0, 1});
+  CHECK(grid.alignment.position[1][3] == glm::ivec2(9 * 128, 10 * 128));
+  CHECK(grid.alignment.triangles == std::vector<glm::uvec3>{{0, 1, 2}});
+  CHECK(grid.alignment.kept == std::vector<glm::uvec3>{{1, 3, 2}});
+}
+
+TEST_CASE("the prior of the sweep is found again: points that did not move get their stored ρ") {
+  const std::vector<Camera> members{lookingAlong({0, 0, 1.5}, {0, 1, 0}, 800, 600),
+                                    lookingAlong({0.6, 0, 1.5}, {0.1, 1, 0}, 800, 600),
+                                    lookingAlong({0.3, 0.4, 1.7}, {0, 1, 0}, 800, 600)};
+  const Camera frame = meanFrame(members);
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const double level = GENERATE(0.002, 0.01);
+  MorphMesh mesh;
+  mesh.match.resize(3);
+  mesh.ratio.resize(3);
+  std::vector<std::vector<glm::dvec2>> match(3);
+  std::vector<double> levels;
+  for (unsigned p = 0; p < 300; ++p) {
+    const double depth = 4 + 0.2 * uniform(random);
+    const glm::dvec3 point(0.3 + 1.5 * uniform(random), depth, 1.5 + uniform(random));
+    std::vector<glm::dvec2> pixels;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Camera& c = members[i];
+      const glm::dvec2 at = *project(c.intrinsics, glm::conjugate(c.pose.rotation) * (point - c.pose.position));
+      pixels.push_back(at + 0.3 * glm::dvec2(normal(random), normal(random)));
+      match[i].push_back(pixels.back());
+      mesh.match[i].emplace_back(pixels.back());
+    }
+    const double sweep = inverseDepth(frame, point) + 0.3 * level * normal(random);
+    const Range range = triangulate(frame, members, pixels, {sweep, kPriorLevels * level}, kNoisePx);
+    mesh.inverseDistance.push_back(float(range.inverseDistance));
+    mesh.uncertainty.push_back(float(range.uncertainty));
+    for (std::size_t i = 0; i < 3; ++i) mesh.ratio[i].push_back(float(range.ratio[i]));
+    levels.push_back(level * range.perInverseDepth);
+    if (p >= 2) mesh.triangles.push_back({p - 2, p - 1, p});
+  }
+  widenUncertainty(mesh, levels);
+  const RangeSolver solver(frame, members, mesh, match, true);
+  CHECK(solver.level() == Approx(level).epsilon(0.1));
+  for (unsigned p = 0; p < 300; ++p) {
+    CHECK(solver.before(p).inverseDistance == Approx(mesh.inverseDistance[p]).epsilon(1e-4));
+    for (std::size_t i = 0; i < 3; ++i) CHECK(solver.before(p).ratio[i] == Approx(mesh.ratio[i][p]).epsilon(1e-4));
+    const std::vector<glm::dvec2> pixels{match[0][p], match[1][p], match[2][p]};
+    CHECK(solver.solve(p, pixels).inverseDistance == solver.before(p).inverseDistance);
+  }
+}
