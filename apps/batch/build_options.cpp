@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/optimise_options.h"
 #include "batch/options.h"
 #include "batch/poses.h"
 #include "batch/settings.h"
@@ -44,13 +45,25 @@ std::vector<std::string> namesIn(const fs::path& file) {
   return names;
 }
 
+SceneFinisher optimiser(AlignmentMethod method, const Context& context) {
+  OptimiseCellsOptions options;
+  options.alignment.method = method;
+  options.alignment.seed = context.options().seed;
+  options.threads = context.options().threads;
+  const Aligner aligner = makeAligner(method, context);
+  return [options, aligner](Scene& scene, const fs::path& finished, const ProgressCallback& progress,
+                            const LogCallback& log) mutable {
+    options.finished = finished;
+    optimiseCells(scene, options, aligner, progress, log);
+  };
+}
+
 }  // namespace
 
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
   const std::vector<CLI::Option*> before = app.get_options();
-  app.add_option(
-         "--model", choices.model,
-         "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
+  app.add_option("--model", choices.model,
+                 "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
       ->type_name("DIR");
   app.add_option("--transforms", choices.transforms,
                  "transforms.json (nerfstudio, instant-ngp) with the poses, instead of a model")
@@ -77,11 +90,11 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},
                  "Cells are at most lines, triangles or tetrahedra [auto: what the places span]");
   addChoice<MatchMethod>(app, "--matcher", choices.build.matcher,
-                     {{"auto", MatchMethod::automatic},
-                      {"sweep", MatchMethod::sweep},
-                      {"homographic", MatchMethod::homographic},
-                      {"flow", MatchMethod::flow}},
-                     "How members of a cell are matched [auto: sweep where poses reproject to 1 px, else flow]");
+                         {{"auto", MatchMethod::automatic},
+                          {"sweep", MatchMethod::sweep},
+                          {"homographic", MatchMethod::homographic},
+                          {"flow", MatchMethod::flow}},
+                         "How members of a cell are matched [auto: sweep where poses reproject to 1 px, else flow]");
   addChoice<TriangleFilter>(
       app, "--triangle-filter", choices.build.triangleFilter,
       {{"consistency", TriangleFilter::consistency}, {"homogeneous", TriangleFilter::homogeneous}},
@@ -92,6 +105,12 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
                  "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
+  app.add_flag("--optimise{cpu}", choices.optimise,
+               "Optimise the cells as ibr optimise does, on the processor or, as --optimise=METHOD, another way")
+      ->check([](const std::string& word) {
+        parsedMethod("--optimise", word);
+        return std::string();
+      });
   const std::vector<CLI::Option*> all = app.get_options();  // in the order of their declaration
   return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
 }
@@ -107,6 +126,7 @@ BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photogr
     build.model = findModel(photographs, context);
   build.seed = context.options().seed;
   build.threads = context.options().threads;
+  if (!choices.optimise.empty()) build.finish = optimiser(parsedMethod("--optimise", choices.optimise), context);
   if (!choices.excludeFrom.empty())
     for (std::string& name : namesIn(choices.excludeFrom)) build.exclude.push_back(std::move(name));
   return build;

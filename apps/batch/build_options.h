@@ -15,6 +15,7 @@ namespace ibr::app {
 struct BuildChoices {
   BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are not set yet
   std::string model, transforms, panoramas, excludeFrom;
+  std::string optimise;  // the optimiser's method; empty: cells stay as they are matched
 };
 
 /// All but the photographs' and the scene's folder. Gives what it declared.

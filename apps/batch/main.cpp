@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::array kCommands{
     &kBuildCommand,
+    &kOptimiseCommand,
     &kInfoCommand,
     &kValidateCommand,
     &kRenderCommand,

@@ -6,12 +6,14 @@
 #include "base/file.h"
 #include "ibr/scene.h"
 #include "run_program.h"
+#include "support/contents_below.h"
 #include "support/temporary_folder.h"
 #include "tiny_scene.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
+using test::contentsBelow;
 using test::runProgram;
 
 namespace {
@@ -22,12 +24,6 @@ std::set<std::string> filesBelow(const fs::path& folder) {
     for (const auto& entry : fs::recursive_directory_iterator(folder))
       if (entry.is_regular_file()) files.insert(fs::relative(entry.path(), folder).string());
   return files;
-}
-
-std::map<std::string, std::string> contentsBelow(const fs::path& folder) {
-  std::map<std::string, std::string> contents;
-  for (const std::string& file : filesBelow(folder)) contents[file] = readTextFile(folder / file);
-  return contents;
 }
 
 }  // namespace

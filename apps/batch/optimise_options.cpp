@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/optimise_options.h"
+
+#include <array>
+
+#include "batch/options.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::array kMethods{std::pair{"cpu", AlignmentMethod::cpu}, std::pair{"compute", AlignmentMethod::compute},
+                              std::pair{"raster", AlignmentMethod::raster},
+                              std::pair{"gradient", AlignmentMethod::gradient}};
+constexpr std::array kDefinitions{std::pair{"channels", EccDefinition::channels},
+                                  std::pair{"concatenated", EccDefinition::concatenated}};
+
+template <class T>
+const char* wordIn(const T& words, auto value) {
+  for (const auto& [word, meaning] : words)
+    if (meaning == value) return word;
+  return "";
+}
+
+}  // namespace
+
+const char* wordOf(AlignmentMethod method) {
+  return wordIn(kMethods, method);
+}
+const char* wordOf(EccDefinition definition) {
+  return wordIn(kDefinitions, definition);
+}
+
+AlignmentMethod parsedMethod(const std::string& option, const std::string& word) {
+  for (const auto& [known, method] : kMethods)
+    if (word == known) return method;
+  throw CLI::ValidationError(option, "'" + word + "' is none of cpu|compute|raster|gradient");
+}
+
+void declareAlignment(CLI::App& app, AlignmentOptions& options) {
+  options.method = AlignmentMethod::cpu;
+  app.add_option_function<std::string>(
+         "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
+         "Where candidates are judged: on the processor [cpu], or on the device, all at once or drawn as in the paper; "
+         "gradient: computed instead of drawn at random")
+      ->type_name("cpu|compute|raster|gradient");
+  addInt(app, "--instances", options.instances, 2, 256, "Candidates of a point, the first where it stands");
+  addDouble(app, "--radius", options.radiusPx, 0.01, 64, "Largest way of a candidate in the first cycle, px");
+  addDouble(app, "--decay", options.decay, 0.01, 1, "Factor on the radius from cycle to cycle");
+  addDouble(app, "--threshold", options.threshold, 0, 1, "Relative gain of a cycle below which it was the last");
+  addChoice<EccDefinition>(app, "--definition", options.definition, {kDefinitions.begin(), kDefinitions.end()},
+                           "Correlation with a mean for each channel and target, or with one for all as in the paper "
+                           "[channels]");
+  app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
+}
+
+Aligner makeAligner(AlignmentMethod method, const Context& context) {
+  std::shared_ptr<Device> device;
+  if (method == AlignmentMethod::compute || method == AlignmentMethod::raster)
+    device = std::make_shared<Device>(Device::create({.device = context.options().device, .log = context.log()}));
+  return [device](Alignment& alignment, const AlignmentOptions& options, const ProgressCallback& progress) {
+    return align(alignment, options, device.get(), progress);
+  };
+}
+
+}  // namespace ibr::app
