@@ -17,12 +17,94 @@
 namespace ibr {
 namespace aligning {
 namespace {
+
 constexpr double kMostResidualPx = 3;  // of stored photographs
+
+std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
+  std::vector<glm::ivec2> sizes;
+  for (const MatchView& view : views) sizes.emplace_back(view.picture.width, view.picture.height);
+  return sizes;
 }
 
-bool allowed(const Range& before, const Range& after, double pixelsPerStored) {
-  if (before.inverseDistance > 0 && !(after.inverseDistance > 0)) return false;  // rays part
-  return after.residualPx <= std::max(kMostResidualPx * pixelsPerStored, before.residualPx);
+// Points that may move tell what their face was matched with.
+std::vector<std::uint8_t> usedOf(std::vector<std::uint8_t> fixed) {
+  for (std::uint8_t& point : fixed) point = !point;
+  return fixed;
+}
+
+}  // namespace
+
+MatchedSize::MatchedSize(std::span<const MatchView> views) : views_(views) {
+  for (const MatchView& view : views) {
+    cameras_.push_back(matchedCamera(view.camera));
+    const Intrinsics &now = cameras_.back().intrinsics, &stored = view.camera.intrinsics;
+    scale_.emplace_back(double(now.width) / stored.width, double(now.height) / stored.height);
+  }
+}
+
+std::vector<std::vector<glm::dvec2>> MatchedSize::match(const Match& stored) const {
+  std::vector<std::vector<glm::dvec2>> match(stored.size());
+  for (std::size_t i = 0; i < match.size(); ++i)
+    for (const glm::vec2 at : stored[i]) match[i].push_back(pixel(i, at));
+  return match;
+}
+
+std::vector<float> MatchedSize::labels(const Match& stored, std::span<const glm::uvec3> triangles) const {
+  std::vector<Image8> small;
+  small.reserve(views_.size());
+  std::vector<const Image8*> pictures;
+  Match member = stored;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    const Intrinsics& k = cameras_[i].intrinsics;
+    const Image8& whole = views_[i].picture;
+    const bool asIs = k.width == whole.width && k.height == whole.height;
+    pictures.push_back(asIs ? &whole : &small.emplace_back(shrunk(whole, k.width, k.height)));
+    for (glm::vec2& at : member[i]) at = glm::vec2(pixel(i, at));
+  }
+  return worstPairEcc(pictures, member, triangles);
+}
+
+PictureAlignment::PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame,
+                                   bool widened, const std::vector<std::uint8_t>& fixed)
+    : views_(views),
+      mesh_(mesh),
+      matched_(views),
+      grid_(ontoGrid(mesh, sizesOf(views), fixed)),
+      ranges_(frame, matched_.cameras(), mesh, matched_.match(mesh.match), widened, usedOf(fixed)) {
+  for (const MatchView& view : views) grid_.alignment.pictures.push_back(&view.picture);
+}
+
+Match PictureAlignment::run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress) {
+  summary_ = nothingJudged(mesh_.pointCount());
+  if (judged() == 0) return mesh_.match;
+  AlignmentOptions guarded = options;
+  guarded.guard = [this](std::uint32_t point, std::span<const glm::ivec2> position) { return allows(point, position); };
+  const auto start = grid_.alignment.position;
+  summary_ = aligner(grid_.alignment, guarded, progress);
+  return movedMatch(mesh_, start, grid_.alignment.position);
+}
+
+Range PictureAlignment::range(std::size_t point, const Match& match) const {
+  std::vector<glm::dvec2> pixels;
+  for (std::size_t i = 0; i < match.size(); ++i) pixels.push_back(matched_.pixel(i, match[i][point]));
+  return ranges_.solve(point, pixels);
+}
+
+bool PictureAlignment::allows(std::uint32_t point, std::span<const glm::ivec2> position) const {
+  std::vector<glm::dvec2> pixels;
+  for (std::size_t i = 0; i < position.size(); ++i)
+    pixels.push_back(matched_.pixel(i, glm::dvec2(position[i]) / double(kAlignmentUnitsPerPixel)));
+  const Range &was = before(point), now = ranges_.solve(point, pixels);
+  if (was.inverseDistance > 0 && !(now.inverseDistance > 0)) return false;  // rays part
+  return now.residualPx <= std::max(kMostResidualPx * matched_.pixelsPerStored(), was.residualPx);
+}
+
+AlignmentSummary nothingJudged(std::size_t points) {
+  AlignmentSummary none;
+  none.initialEcc = none.finalEcc = none.initialEccPaper = none.finalEccPaper = std::nan("");
+  none.starEccBefore.assign(points, std::nanf(""));
+  none.starEccAfter = none.starEccBefore;
+  return none;
 }
 
 std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs) {
@@ -76,7 +158,7 @@ void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const
     if (moved[p]) mesh.uncertainty[p] = fresh.uncertainty[p];
 }
 
-CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::span<const Range> range,
+CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<double> residuals,
                       const std::function<double(const glm::uvec3&)>& area) {
   double covered = 0, weighted = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -88,8 +170,6 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::span<cons
   const double before = quality.ecc;
   if (covered > 0) quality.ecc = std::clamp(weighted / covered, -1.0, 1.0);
   if (before > 0) quality.score = std::min(quality.score * std::max(quality.ecc, 0.0) / before, 1.0);
-  std::vector<double> residuals;
-  for (const Range& r : range) residuals.push_back(r.residualPx);
   if (!residuals.empty()) quality.residualPx = median(residuals);
   return quality;
 }
@@ -97,48 +177,6 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::span<cons
 }  // namespace aligning
 
 namespace {
-
-// The members at the size at which they were matched: there ρ is found and triangles are labelled.
-class Matched {
- public:
-  explicit Matched(std::span<const MatchView> views) : views_(views) {
-    for (const MatchView& view : views) {
-      cameras_.push_back(matchedCamera(view.camera));
-      const Intrinsics &now = cameras_.back().intrinsics, &stored = view.camera.intrinsics;
-      scale_.emplace_back(double(now.width) / stored.width, double(now.height) / stored.height);
-    }
-  }
-  const std::vector<Camera>& cameras() const { return cameras_; }
-  double pixelsPerStored() const { return scale_[0].x; }
-  glm::dvec2 pixel(std::size_t member, glm::dvec2 stored) const { return stored * scale_[member]; }
-
-  std::vector<std::vector<glm::dvec2>> match(const MorphMesh& mesh) const {
-    std::vector<std::vector<glm::dvec2>> match(mesh.memberCount());
-    for (std::size_t i = 0; i < match.size(); ++i)
-      for (const glm::vec2 at : mesh.match[i]) match[i].push_back(pixel(i, at));
-    return match;
-  }
-
-  std::vector<float> labels(const MorphMesh& mesh, std::span<const glm::uvec3> triangles) const {
-    std::vector<Image8> small;
-    small.reserve(views_.size());
-    std::vector<const Image8*> pictures;
-    aligning::Match member = mesh.match;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const Intrinsics& k = cameras_[i].intrinsics;
-      const Image8& whole = views_[i].picture;
-      const bool asIs = k.width == whole.width && k.height == whole.height;
-      pictures.push_back(asIs ? &whole : &small.emplace_back(shrunk(whole, k.width, k.height)));
-      for (glm::vec2& at : member[i]) at = glm::vec2(pixel(i, at));
-    }
-    return worstPairEcc(pictures, member, triangles);
-  }
-
- private:
-  std::span<const MatchView> views_;
-  std::vector<Camera> cameras_;
-  std::vector<glm::dvec2> scale_;
-};
 
 double meanArea(const MorphMesh& mesh, const glm::uvec3& t) {
   glm::dvec2 at[3] = {};
@@ -154,60 +192,49 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
                           const ProgressCallback& progress) {
   const MorphMesh& before = input.cell.mesh;
   AlignedCell result{before, input.cell.quality, {}};
-  const std::size_t n = before.pointCount();
-  std::vector<glm::ivec2> size;
-  for (const MatchView& view : input.views) size.emplace_back(view.picture.width, view.picture.height);
-  AlignmentGrid grid = ontoGrid(before, size);
-  Alignment& alignment = grid.alignment;
-  for (const MatchView& view : input.views) alignment.pictures.push_back(&view.picture);
-  result.facts.points = n;
-  result.facts.judged = alignment.triangles.size();
-  result.facts.fixed = grid.fixed;
-  if (alignment.triangles.empty()) {
-    AlignmentSummary& none = result.facts.summary;
-    none.initialEcc = none.finalEcc = none.initialEccPaper = none.finalEccPaper = std::nan("");
-    none.starEccBefore.assign(n, std::nanf(""));
-    none.starEccAfter = none.starEccBefore;
-    return result;
-  }
-
-  const Matched matched(input.views);
-  const RangeSolver solver(meanFrame(matched.cameras()), matched.cameras(), before, matched.match(before), true);
-  AlignmentOptions guarded = options;
-  guarded.guard = [&](std::uint32_t point, std::span<const glm::ivec2> position) {
-    std::vector<glm::dvec2> pixels;
-    for (std::size_t i = 0; i < position.size(); ++i)
-      pixels.push_back(matched.pixel(i, glm::dvec2(position[i]) / double(kAlignmentUnitsPerPixel)));
-    return aligning::allowed(solver.before(point), solver.solve(point, pixels), matched.pixelsPerStored());
-  };
-  const auto start = alignment.position;
-  result.facts.summary = aligner(alignment, guarded, progress);
-
   MorphMesh& mesh = result.mesh;
-  mesh.match = movedMatch(before, start, alignment.position);
-  result.facts.takenBack = aligning::takeBackFolded(before, mesh.match, meshSigns);
+  const aligning::MatchedSize matched(input.views);
+  aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true);
+  mesh.match = alignment.run(options, aligner, progress);
+  OptimisedCell& facts = result.facts;
+  facts.points = before.pointCount();
+  facts.judged = alignment.judged();
+  facts.fixed = alignment.fixed();
+  facts.summary = alignment.summary();
+  facts.takenBack = aligning::takeBackFolded(before, mesh.match, meshSigns);
   const std::vector<bool> moved = aligning::movedPoints(before.match, mesh.match);
-  result.facts.moved = std::size_t(std::ranges::count(moved, true));
-  if (result.facts.moved == 0) return result;
+  facts.moved = std::size_t(std::ranges::count(moved, true));
+  if (facts.moved == 0) return result;
 
   std::vector<Range> range;
-  std::vector<double> level;
-  const auto match = matched.match(mesh);
-  for (std::size_t p = 0; p < n; ++p) {
-    std::vector<glm::dvec2> pixels;
-    for (const auto& list : match) pixels.push_back(list[p]);
-    range.push_back(moved[p] ? solver.solve(p, pixels) : solver.before(p));
-    level.push_back(solver.level() * range[p].perInverseDepth);
+  std::vector<double> level, residuals;
+  for (std::size_t p = 0; p < before.pointCount(); ++p) {
+    range.push_back(moved[p] ? alignment.range(p, mesh.match) : alignment.before(p));
+    level.push_back(alignment.level() * range[p].perInverseDepth);
+    residuals.push_back(range[p].residualPx);
   }
   aligning::takeRanges(mesh, moved, range, level);
   const std::vector<std::size_t> changed = aligning::movedTriangles(mesh, moved);
   std::vector<glm::uvec3> corners;
   for (const std::size_t t : changed) corners.push_back(mesh.triangles[t]);
-  const std::vector<float> ecc = matched.labels(mesh, corners);
+  const std::vector<float> ecc = matched.labels(mesh.match, corners);
   for (std::size_t t = 0; t < changed.size(); ++t) mesh.ecc[changed[t]] = ecc[t];
   result.quality =
-      aligning::qualityOf(mesh, input.cell.quality, range, [&](const glm::uvec3& t) { return meanArea(mesh, t); });
+      aligning::qualityOf(mesh, input.cell.quality, residuals, [&](const glm::uvec3& t) { return meanArea(mesh, t); });
   return result;
+}
+
+AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+                      const ProgressCallback& progress) {
+  const bool panoramic = input.views[0].camera.intrinsics.model == CameraModel::equirectangular;
+  for (const MatchView& view : input.views)
+    if ((view.camera.intrinsics.model == CameraModel::equirectangular) != panoramic) {
+      AlignedCell as{input.cell.mesh, input.cell.quality, {}};  // no build makes such a cell
+      as.facts.points = input.cell.mesh.pointCount();
+      as.facts.summary = aligning::nothingJudged(as.facts.points);
+      return as;
+    }
+  return (panoramic ? alignPanoramas : alignPinholes)(input, options, aligner, progress);
 }
 
 }  // namespace ibr

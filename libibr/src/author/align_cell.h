@@ -7,8 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "author/alignment_grid.h"
 #include "author/match.h"
-#include "author/ranges.h"
+#include "author/range_again.h"
 #include "ibr/optimise_scene.h"
 
 namespace ibr {
@@ -25,17 +26,72 @@ struct AlignedCell {
   OptimisedCell facts;  // without number, members and time
 };
 
+/// Of a cell whose members are pinholes, or all are panoramas.
+AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+                      const ProgressCallback& progress);
+
+/// Panoramas are optimised on the faces of a cube (panorama_faces.h) in which all members look the same way: a point in
+/// the face that it lies in, if its whole star is well inside that face for all members, and then no other.
+AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
+                           const ProgressCallback& progress);
+
 AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                           const ProgressCallback& progress);
 
-/// Parts of it that cells of panoramas share.
+/// Parts that pinholes and faces of panoramas share.
 namespace aligning {
 
 using Match = std::vector<std::vector<glm::vec2>>;  // d × n, px
 using Signs = std::function<std::uint32_t(const Match&, const glm::uvec3&)>;
 
-/// Whether a move may stand, from what triangulation said before and after it.
-bool allowed(const Range& before, const Range& after, double pixelsPerStored);
+/// The members at the size at which they were matched: there ρ is found and triangles are labelled.
+class MatchedSize {
+ public:
+  explicit MatchedSize(std::span<const MatchView> views);
+  const std::vector<Camera>& cameras() const { return cameras_; }
+  double pixelsPerStored() const { return scale_[0].x; }
+  glm::dvec2 pixel(std::size_t member, glm::dvec2 stored) const { return stored * scale_[member]; }
+  std::vector<std::vector<glm::dvec2>> match(const Match& stored) const;
+
+  /// MorphMesh::ecc of triangles, of matches in px of the views.
+  std::vector<float> labels(const Match& stored, std::span<const glm::uvec3> triangles) const;
+
+ private:
+  std::span<const MatchView> views_;
+  std::vector<Camera> cameras_;
+  std::vector<glm::dvec2> scale_;
+};
+
+/// A mesh over pinhole pictures, aligned.
+class PictureAlignment {
+ public:
+  /// All outlive the object. `fixed`: n, or none. `widened`: as RangeSolver has it; `frame`: at the matched size.
+  PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame, bool widened,
+                   const std::vector<std::uint8_t>& fixed = {});
+
+  /// Where its points stand then; those that did not move to the bit as they stood.
+  Match run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress);
+
+  const AlignmentSummary& summary() const { return summary_; }
+  std::size_t judged() const { return grid_.alignment.triangles.size(); }
+  std::size_t fixed() const { return grid_.fixed; }
+  Range range(std::size_t point, const Match& match) const;
+  const Range& before(std::size_t point) const { return ranges_.before(point); }
+  double level() const { return ranges_.level(); }
+
+ private:
+  bool allows(std::uint32_t point, std::span<const glm::ivec2> position) const;
+
+  std::span<const MatchView> views_;
+  const MorphMesh& mesh_;
+  MatchedSize matched_;
+  AlignmentGrid grid_;
+  RangeSolver ranges_;
+  AlignmentSummary summary_;
+};
+
+/// No triangle is judged: ECCs are NaN.
+AlignmentSummary nothingJudged(std::size_t points);
 
 /// Moves back, in all pictures, what turns a triangle of the mesh over that was not. Gives the number of points.
 std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
@@ -46,13 +102,13 @@ std::vector<bool> movedPoints(const Match& before, const Match& after);
 /// Triangles with a corner that moved, by number.
 std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector<bool>& moved);
 
-/// ρ, a_i and uncertainty of what moved. `range`: n, of all points; `level`: n, as widenUncertainty has it, or none
-/// where uncertainties are not widened.
+/// ρ, a_i and uncertainty of what moved. `range`: n, used for points that moved; `level`: n, as widenUncertainty has
+/// it, or none where uncertainties are not widened.
 void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const Range> range,
                 std::span<const double> level);
 
-/// ECC, residual and score of what moved. `area`: of each triangle, in any unit.
-CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::span<const Range> range,
+/// ECC, residual and score of the mesh as it is now. `residuals`: of its points. `area`: of each triangle, in any unit.
+CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<double> residuals,
                       const std::function<double(const glm::uvec3&)>& area);
 
 }  // namespace aligning

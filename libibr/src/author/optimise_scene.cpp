@@ -92,7 +92,7 @@ class Optimiser {
     std::optional<AlignedCell> kept;
     if (!options_.finished.empty()) kept = fetchAligned(options_.finished, key);
     AlignedCell done =
-        kept ? std::move(*kept) : alignPinholes(input, optionsOfEach(), aligner_, [&](const Progress& p) {
+        kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
           // Nobody knows how many cycles there will be: most often five or so.
           shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
           return !cancelled_.load();

@@ -18,7 +18,7 @@
 namespace ibr {
 namespace {
 
-constexpr double kFov = 110.0 * std::numbers::pi / 180.0;  // of a face; matches count within 90°
+constexpr double kFov = kMatchedFaceFov;                   // matches count within 90°
 constexpr double kFacePixels = 2e6;                        // faces are matched at no more than this
 constexpr double kNearest = 1.0, kFarthest = 20.0;         // of assumed points, in largest distances of the members
 
@@ -58,11 +58,6 @@ struct Vertices {
     ibr::keepOnly(range, keep);
   }
 };
-
-// Solid angle of a triangle of unit directions (van Oosterom & Strackee 1983).
-double solidAngle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
-  return 2 * std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
-}
 
 class Maker {
  public:

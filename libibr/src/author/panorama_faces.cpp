@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
@@ -44,6 +45,10 @@ Intrinsics faceIntrinsics(int size, double fovRadians) {
 
 int faceSize(int panoramaWidth, double fovRadians) {
   return int(std::clamp(std::round(panoramaWidth / kPi * std::tan(0.5 * fovRadians)), 1.0, 1e9));
+}
+
+double solidAngle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+  return 2 * std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
 }
 
 }  // namespace ibr

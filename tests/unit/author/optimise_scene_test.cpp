@@ -79,7 +79,7 @@ AlignmentSummary summaryOf(const Alignment& a) {
   summary.finalEcc = 0.75;
   summary.starEccBefore.assign(a.position[0].size(), 0.25f);
   summary.starEccAfter.assign(a.position[0].size(), 0.5f);
-  summary.cycles.push_back({5, 0.75, 10, 100, 1, 0, 0, 0.1});
+  summary.cycles.push_back({5, 0.75, 10, 100, 1, 0, 0.1});
   return summary;
 }
 
@@ -298,6 +298,70 @@ TEST_CASE("cells share the processor, and have a device one after another") {
   options.cells.alignment.method = AlignmentMethod::compute;
   optimiseScene(options, counts);
   CHECK(most == 1);
+}
+
+TEST_CASE("panoramas are aligned on the faces of a cube, and what moves there moves on the sphere") {
+  const TemporaryFolder folder;
+  SyntheticOptions options;
+  for (const double x : {0.0, 0.4}) {
+    Camera camera{{CameraModel::equirectangular, 512, 256}, {{x, 0.1 * x, 0}, {1, 0, 0, 0}}};
+    camera.pose.rotation = glm::angleAxis(x, glm::normalize(glm::dvec3(0.1, 1, 0)));  // each turned its own way
+    options.cameras.push_back(camera);
+  }
+  options.planes = roomPlanes({-3, -1.5, -4}, {3, 2, 3}, 0.3);
+  options.surfaceStep = 0.5;
+  options.samplesPerAxis = 1;
+  SyntheticScene made = makeScene(options);
+  for (std::size_t i = 0; i < made.scene.nodes.size(); ++i) {
+    Node& node = made.scene.nodes[i];
+    node.imageFile = node.name + ".png";
+    node.textureFile = node.name + ".ktx2";
+    makeFolders(folder / "scene");
+    writeImage(folder / "scene" / node.imageFile, made.photographs[i]);
+    writeKtx2(folder / "scene" / node.textureFile, encodeTexture(buildMips(made.photographs[i]), TextureFormat::rgba8));
+  }
+  saveScene(made.scene, folder / "scene");
+  const Scene before = loadScene(folder / "scene");
+  OptimiseSceneOptions task{folder / "scene", folder / "out", {}};
+  task.cells.alignment.method = AlignmentMethod::cpu;
+  int faces = 0;
+  double truth = 0;
+  const Aligner half = [&](Alignment& a, const AlignmentOptions& o, const ProgressCallback& p) {
+    ++faces;
+    CHECK(a.pictures[0]->width == a.pictures[0]->height);
+    // The faces look the same way and show what the mesh says: matches see the same colours.
+    for (std::size_t v = 0; v < a.position[0].size(); ++v) {
+      if (a.fixed[v]) continue;
+      glm::dvec3 colour[2];
+      for (std::size_t i = 0; i < 2; ++i) {
+        const glm::ivec2 at = a.position[i][v] / kAlignmentUnitsPerPixel;
+        const auto pixel = a.pictures[i]->pixel(at.x, at.y);
+        colour[i] = {pixel[0], pixel[1], pixel[2]};
+      }
+      truth += glm::distance(colour[0], colour[1]) < 60;
+    }
+    return moving({32, 0}, 2)(a, o, p);
+  };
+  const auto report = optimiseScene(task, half);
+  const MorphMesh &was = before.cells[0].mesh, is = loadScene(folder / "out").cells[0].mesh;
+  const OptimisedCell& facts = report.cells.at(0);
+  CHECK(faces == 6);
+  const std::size_t movable = facts.points - facts.fixed;
+  CHECK(movable > facts.points / 2);
+  CHECK(truth > 0.8 * double(movable));
+  CHECK(facts.moved > movable / 3);
+  CHECK(facts.summary.finalEcc == Approx(0.5));  // of points that may move
+  for (std::size_t p = 0; p < was.pointCount(); ++p) {
+    CHECK(is.match[1][p] == was.match[1][p]);
+    const Camera& camera = before.nodes[0].camera;
+    const double angle = std::acos(std::min(
+        1.0, glm::dot(unproject(camera.intrinsics, is.match[0][p]), unproject(camera.intrinsics, was.match[0][p]))));
+    CHECK(angle < 0.26 / 81.6);  // a quarter of a pixel in the middle of a face, whose focal length is 81.6 px
+    const bool moved = is.match[0][p] != was.match[0][p];
+    CHECK((is.inverseDistance[p] != was.inverseDistance[p]) == moved);
+    if (moved) CHECK(double(is.inverseDistance[p]) == Approx(was.inverseDistance[p]).epsilon(0.35));
+  }
+  CHECK(validateSceneFiles(folder / "out").empty());
 }
 
 TEST_CASE("faults of the input are named, and nothing is left half-done") {
