@@ -29,10 +29,11 @@ shared int64_t pixelsBy[kAlignmentGroup];
 
 EccScore judgedScore(uint member, uint point, uint instance, int step, int phase, inout uint judged,
                      inout int64_t pixels) {
-  const StarSums sums = judgedStar(member, point, offsetOf(member, point, reach, todo.seed, instance), step, phase);
+  const ivec2 offset = offsetOf(member, point, reach, todo.seed, instance);
+  const StarSums sums = judgedStar(member, point, offset, step, phase);
   ++judged;
   pixels += pixelsOf(sums);
-  return scoreOf(sums, todo.definition, todo.floor);
+  return scoreOf(sums, todo.definition, todo.floor, eccCost(wayOf(member, point, offset), todo.rigidity));
 }
 
 // Whether candidate a comes before b: greater, or not less and earlier.

@@ -32,8 +32,11 @@ EccScore scoreOf(uint instance) {
     score.covariance += eccCentred(sums[at + 4u], x, y, n);
     samples += n;
   }
-  const int64_t added = todo.definition == kEccChannels ? todo.floor * samples : none;
-  return EccScore(score.covariance + added, score.varianceX + added, score.varianceY + added);
+  if (todo.definition == kEccConcatenated) return score;
+  const ivec2 offset = offsetOf(todo.member, todo.first, todo.radius, todo.seed, instance);
+  const int64_t cost = eccCost(wayOf(todo.member, todo.first, offset), todo.rigidity) * samples;
+  const int64_t added = todo.floor * samples;
+  return EccScore(score.covariance + added - cost, score.varianceX + added, score.varianceY + added);
 }
 
 int64_t pixelsOf(uint instance) {

@@ -10,6 +10,7 @@
 
 layout(binding = kBindingAlignment, scalar) readonly buffer Mesh { AlignmentMesh mesh; };
 layout(binding = kBindingPositions, scalar) POSITION_ACCESS buffer Positions { ivec2 positions[]; };
+layout(binding = kBindingStarts, scalar) readonly buffer Starts { ivec2 starts[]; };
 layout(binding = kBindingStarFirst, scalar) readonly buffer StarFirst { uint starFirst[]; };
 layout(binding = kBindingStarEdges, scalar) readonly buffer StarEdges { uvec2 starEdges[]; };
 
@@ -19,4 +20,9 @@ ivec2 sumOfPositions(uint point) {
   ivec2 sum = ivec2(0);
   for (uint i = 0u; i < mesh.members; ++i) sum += positionIn(i, point);
   return sum;
+}
+
+/// From where the match began to the candidate.
+ivec2 wayOf(uint member, uint point, ivec2 offset) {
+  return positionIn(member, point) + offset - starts[member * mesh.points + point];
 }

@@ -128,7 +128,7 @@ StarSums judgedStar(uint member, uint point, ivec2 offset, int step, int phase) 
 
 int64_t pixelsOf(StarSums sums) { return sums.targets[0].n + sums.targets[1].n + sums.targets[2].n; }
 
-EccScore scoreOf(StarSums sums, uint definition, int64_t floor) {
+EccScore scoreOf(StarSums sums, uint definition, int64_t floor, int64_t cost) {
   EccScore score = EccScore(int64_t(0), int64_t(0), int64_t(0));
   if (!sums.whole) return score;
   EccTarget all = kNoSums;
@@ -136,5 +136,5 @@ EccScore scoreOf(StarSums sums, uint definition, int64_t floor) {
     score = eccPlus(score, sums.targets[t]);
     all = eccSum(all, sums.targets[t]);
   }
-  return eccFinished(score, all, definition, floor);
+  return eccFinished(score, all, definition, floor, cost);
 }

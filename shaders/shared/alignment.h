@@ -29,7 +29,8 @@ IBR_CONSTANT int kBindingBorder = 7;      // uvec3 a point: chord, kind
 IBR_CONSTANT int kBindingPoints = 8;      // uint: classes one after another
 IBR_CONSTANT int kBindingOutcomes = 9;    // AlignmentOutcome: of a step's points
 IBR_CONSTANT int kBindingJudgements = 10;  // AlignmentJudgement, picture after picture
-IBR_CONSTANT int kAlignmentBindings = 11;
+IBR_CONSTANT int kBindingStarts = 11;      // ivec2, picture after picture: positions before the first cycle
+IBR_CONSTANT int kAlignmentBindings = 12;
 
 // The paper's way: a second set, of a source and a target.
 IBR_CONSTANT int kBindingSource = 0;    // pictures, sampled
@@ -79,7 +80,8 @@ struct AlignmentStep {
   uint prune;
   uint firstOutcome;
   uint target;        // raster: picture, of the draw
-  int64_t floor;  // variance floor, 2⁻¹⁶ grey²
+  int64_t floor;     // variance floor, 2⁻¹⁶ grey²
+  int64_t rigidity;  // 2⁻¹⁶ grey² / px²
 };
 
 IBR_SHARED_END

@@ -197,8 +197,15 @@ IBR_FUNCTION EccScore eccPlus(EccScore score, EccTarget t) {
   return score;
 }
 
-/// `all`: sums over the targets; `floor` in 2⁻¹⁶ grey², a sample and channel.
-IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definition, int64_t floor) {
+/// What standing `way` (1/128 px) from where the match began costs, 2⁻¹⁶ grey² a sample and channel; `rigidity` is that of
+/// one px.
+IBR_FUNCTION int64_t eccCost(ivec2 way, int64_t rigidity) {
+  const int64_t square = int64_t(way.x) * int64_t(way.x) + int64_t(way.y) * int64_t(way.y);
+  return min((min(square, int64_t(1) << 30) * rigidity) >> 14, int64_t(1) << 30);
+}
+
+/// `all`: sums over the targets; `floor` and `cost` in 2⁻¹⁶ grey², a sample and channel.
+IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definition, int64_t floor, int64_t cost) {
   EccScore score = channels;
   if (definition == kEccConcatenated) {
     const int64_t n = all.n * int64_t(3), x = all.x0 + all.x1 + all.x2, y = all.y0 + all.y1 + all.y2;
@@ -208,7 +215,7 @@ IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definit
     return score;
   }
   const int64_t added = floor * all.n * int64_t(3);
-  score.covariance += added;
+  score.covariance += added - cost * all.n * int64_t(3);
   score.varianceX += added;
   score.varianceY += added;
   return score;

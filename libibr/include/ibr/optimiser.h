@@ -29,7 +29,7 @@ inline constexpr int kAlignmentUnitsPerPixel = 128;
 
 /// One cell as the optimiser sees it: d pictures and a mesh of n points over them; poses are no concern of it.
 struct Alignment {
-  std::vector<const Image8*> pictures;            // d, 2 to 4; RGB, at most 16384 px wide and high; they outlive the run
+  std::vector<const Image8*> pictures;  // d, 2 to 4; RGB, at most 16384 px wide and high; they outlive the run
   std::vector<std::vector<glm::ivec2>> position;  // d × n, 1/128 px from the picture's top-left corner, inside it
   std::vector<glm::uvec3> triangles;              // that are judged; twice their area is positive in all pictures
   std::vector<glm::uvec3> kept;                   // not judged, but where one is not folded over, it stays so
@@ -57,30 +57,33 @@ struct AlignmentOptions {
   double threshold = 0.005;   // t, relative gain of a cycle below which it was the last; >= 0
   int mostCycles = 50;        // >= 1
   double varianceFloor = 25;  // grey², of the definition `channels`; [0, 1000]
-  bool prune = false;         // compute, cpu: all candidates on every 8th row, the best 8 of them whole
+  /// grey²/px², of the definition `channels`; [0, 10000]. A match that stands d px from where it began must explain
+  /// rigidity·d² more of the photographs' variance, a sample and channel: where there is no texture it stays.
+  double rigidity = 0;
+  bool prune = false;           // compute, cpu: all candidates on every 8th row, the best 8 of them whole
   bool scaledInstances = true;  // M′ = M·r²/R² ([T] §3.7), at least 8
-  std::uint64_t seed = 1;     // same alignment, options and seed: same mesh
-  int threads = 0;            // of the processor; 0 = all cores
-  AlignmentGuard guard;       // none: nothing is refused
+  std::uint64_t seed = 1;       // same alignment, options and seed: same mesh
+  int threads = 0;              // of the processor; 0 = all cores
+  AlignmentGuard guard;         // none: nothing is refused
 };
 
 /// Faults of the values above, for people; empty when there is none.
 std::string optionsFault(const AlignmentOptions& options);
 
 struct AlignmentCycle {
-  double radiusPx = 0;           // R
-  double ecc = 0;                // mean over points and pictures after the cycle, in the options' definition
-  std::uint64_t mutations = 0;   // candidates that were judged
-  std::uint64_t pixels = 0;      // pairs of samples that were compared for them
-  std::size_t moved = 0;         // points, a picture each
-  std::size_t refused = 0;       // by the guard
+  double radiusPx = 0;          // R
+  double ecc = 0;               // mean over points and pictures after the cycle, in the options' definition
+  std::uint64_t mutations = 0;  // candidates that were judged
+  std::uint64_t pixels = 0;     // pairs of samples that were compared for them
+  std::size_t moved = 0;        // points, a picture each
+  std::size_t refused = 0;      // by the guard
   double seconds = 0;
 };
 
 /// Means over all stars and pictures; a star whose ECC is undefined (no texture) counts as 0, as in the paper.
 struct AlignmentSummary {
-  double initialEcc = 0, finalEcc = 0;            // per channel and target
-  double initialEccPaper = 0, finalEccPaper = 0;  // [T] eqs 1–3
+  double initialEcc = 0, finalEcc = 0;             // per channel and target
+  double initialEccPaper = 0, finalEccPaper = 0;   // [T] eqs 1–3
   std::vector<float> starEccBefore, starEccAfter;  // n, per channel and target, mean over the pictures; NaN: no star
   std::vector<AlignmentCycle> cycles;
   std::size_t bestCycle = 0;  // that the mesh is of; 0 = before the first

@@ -76,6 +76,7 @@ std::string optionsFault(const AlignmentOptions& o) {
   if (!(o.decay > 0 && o.decay <= 1)) return fmt::format("decay {}: above 0, at most 1", o.decay);
   if (!(o.threshold >= 0 && std::isfinite(o.threshold))) return fmt::format("threshold {}: at least 0", o.threshold);
   if (o.mostCycles < 1) return fmt::format("cycles {}: at least 1", o.mostCycles);
+  if (!within(o.rigidity, 0, 10000)) return fmt::format("rigidity {}: 0 to 10000", o.rigidity);
   if (!within(o.varianceFloor, 0, 1000)) return fmt::format("variance floor {}: 0 to 1000", o.varianceFloor);
   return {};
 }
@@ -88,7 +89,7 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
   const StarMesh mesh = starMeshOf(alignment);
   std::vector<Texels> pictures;
   for (const Image8* picture : alignment.pictures) pictures.push_back(texelsOf(*picture));
-  const std::unique_ptr<Mover> mover = moverOf({mesh, pictures, options}, device);
+  const std::unique_ptr<Mover> mover = moverOf({mesh, pictures, options, alignment}, device);
 
   AlignmentSummary summary;
   const auto keepGoing = [&] {

@@ -53,7 +53,8 @@ void copyWhole(VkCommandBuffer commands, const Buffer& from, const Buffer& to) {
 
 }  // namespace
 
-AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures) {
+AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
+                                   const Positions& starts) {
   check(device.counts64Bits(), ErrorCode::unsupported, "{}: shaders cannot count in 64 bits; align on the processor",
         device.name());
   const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
@@ -90,6 +91,8 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
                     std::as_bytes(std::span(pictures[i].words)));
   uploader.flush();
   make(kBindingPositions, d * n * sizeof(glm::ivec2), "positions");
+  make(kBindingStarts, d * n * sizeof(glm::ivec2), "first positions");
+  upload(device, starts, kBindingStarts);
   make(kBindingOutcomes, d * moving * sizeof(AlignmentOutcome), "outcomes");
   make(kBindingJudgements, d * n * sizeof(AlignmentJudgement), "judgements");
   const auto host = [&](int binding, const char* name) {
@@ -111,12 +114,12 @@ AlignmentBuffers::AlignmentBuffers(const Device& device, const StarMesh& mesh, s
   for (std::uint32_t b = 0; b < bindings.size(); ++b) writeStorageBuffer(device, set_, b, buffers_[b].get());
 }
 
-void AlignmentBuffers::upload(const Device& device, const Positions& at) {
+void AlignmentBuffers::upload(const Device& device, const Positions& at, int binding) {
   Uploader uploader(device, VkDeviceSize(1) << 20);
   VkDeviceSize offset = 0;
   for (const auto& member : at) {
     const auto bytes = std::as_bytes(std::span(member));
-    if (!bytes.empty()) uploader.buffer(buffers_[kBindingPositions], offset, bytes);
+    if (!bytes.empty()) uploader.buffer(buffers_[std::size_t(binding)], offset, bytes);
     offset += bytes.size();
   }
   uploader.flush();

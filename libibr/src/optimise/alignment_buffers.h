@@ -15,14 +15,15 @@ namespace ibr {
 
 class AlignmentBuffers {
  public:
-  /// Uploads all but the positions. Throws Error: unsupported where the device does not count in 64 bits or the
-  /// pictures do not fit into one buffer; outOfMemory, deviceLost.
-  AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures);
+  /// Uploads all but the positions; `starts` are those before the first cycle. Throws Error: unsupported where the
+  /// device does not count in 64 bits or the pictures do not fit into one buffer; outOfMemory, deviceLost.
+  AlignmentBuffers(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
+                   const Positions& starts);
 
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
   VkDescriptorSet set() const noexcept { return set_; }
 
-  void upload(const Device& device, const Positions& at);
+  void upload(const Device& device, const Positions& at) { upload(device, at, shader::kBindingPositions); }
 
   /// Copies to the host what the passes recorded before have written; ends in use::kHostRead.
   void recordReadback(VkCommandBuffer commands) const noexcept;
@@ -34,6 +35,8 @@ class AlignmentBuffers {
   std::span<const shader::AlignmentJudgement> judgements() const noexcept;  // d × n
 
  private:
+  void upload(const Device& device, const Positions& at, int binding);
+
   std::vector<Buffer> buffers_;  // at their bindings
   Buffer hostPositions_, hostOutcomes_, hostJudgements_;
   DescriptorSetLayoutHandle layout_;

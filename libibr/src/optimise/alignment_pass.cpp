@@ -9,8 +9,8 @@
 namespace ibr {
 
 AlignmentPass::AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
-                             const AlignmentOptions& options)
-    : buffers_(device, mesh, pictures),
+                             const Positions& starts, const AlignmentOptions& options)
+    : buffers_(device, mesh, pictures, starts),
       members_(std::uint32_t(mesh.memberCount())),
       points_(std::uint32_t(mesh.pointCount())),
       firstOfClass_(mesh.colours.first),
@@ -19,7 +19,8 @@ AlignmentPass::AlignmentPass(const Device& device, const StarMesh& mesh, std::sp
           .scaled = options.scaledInstances,
           .definition = options.definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated,
           .prune = options.prune,
-          .floor = floorOf(options.varianceFloor)} {
+          .floor = scoreUnits(options.varianceFloor),
+          .rigidity = scoreUnits(options.rigidity)} {
   const VkDescriptorSetLayout set = buffers_.layout();
   const VkPushConstantRange step{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(shader::AlignmentStep)};
   layout_ = makePipelineLayout(device, {&set, 1}, {&step, 1});

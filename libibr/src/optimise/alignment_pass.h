@@ -16,7 +16,7 @@ struct ClassMove {
 
 class AlignmentPass {
  public:
-  AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures,
+  AlignmentPass(const Device& device, const StarMesh& mesh, std::span<const Texels> pictures, const Positions& starts,
                 const AlignmentOptions& options);
 
   void upload(const Device& device, const Positions& at) { buffers_.upload(device, at); }

@@ -12,7 +12,10 @@ namespace {
 class ComputeMover final : public Mover {
  public:
   ComputeMover(const MoverInput& input, const Device& device)
-      : input_(input), device_(device), pass_(device, input.mesh, input.pictures, input.options), submission_(device) {}
+      : input_(input),
+        device_(device),
+        pass_(device, input.mesh, input.pictures, input.alignment.position, input.options),
+        submission_(device) {}
 
   CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
     CycleCounts counts;

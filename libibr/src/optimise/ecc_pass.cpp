@@ -27,7 +27,7 @@ const AlignmentOptions& checked(const AlignmentOptions& options) {
 struct EccPass::State {
   State(const Device& device, const Alignment& alignment, const AlignmentOptions& options)
       : mesh(starMeshOf(alignment)),
-        pass(device, mesh, texelsOf(alignment), checked(options)),
+        pass(device, mesh, texelsOf(alignment), alignment.position, checked(options)),
         floor(options.varianceFloor) {
     pass.upload(device, alignment.position);
   }

@@ -110,7 +110,7 @@ std::uint64_t Judgement::pixels() const {
   return n;
 }
 
-shader::EccScore Judgement::score(EccDefinition definition, double varianceFloor) const {
+shader::EccScore Judgement::score(EccDefinition definition, double varianceFloor, std::int64_t cost) const {
   if (!whole) return {};
   shader::EccScore score{};
   EccTarget all{};
@@ -120,11 +120,11 @@ shader::EccScore Judgement::score(EccDefinition definition, double varianceFloor
   }
   return shader::eccFinished(score, all,
                              definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated,
-                             floorOf(varianceFloor));
+                             scoreUnits(varianceFloor), cost);
 }
 
-std::int64_t floorOf(double varianceFloor) {
-  return std::lround(varianceFloor * 65536.0);
+std::int64_t scoreUnits(double squaredGrey) {
+  return std::lround(squaredGrey * 65536.0);
 }
 
 double eccOf(const shader::EccScore& score) {

@@ -24,11 +24,12 @@ struct Judgement {
   int count = 0;                               // of targets
   bool whole = true;  // false: a triangle is too large or too steep to be judged, nothing is said
   std::uint64_t pixels() const;
-  shader::EccScore score(EccDefinition definition, double varianceFloor) const;
+  /// `cost` (eccCost) is of the definition `channels`, as the floor is.
+  shader::EccScore score(EccDefinition definition, double varianceFloor, std::int64_t cost = 0) const;
 };
 
-/// A variance floor in grey² as scores have it.
-std::int64_t floorOf(double varianceFloor);
+/// grey² as scores have them: of a variance floor, of rigidity.
+std::int64_t scoreUnits(double squaredGrey);
 
 /// value of a score, within [−1, 1]; 0 where undefined.
 double eccOf(const shader::EccScore& score);

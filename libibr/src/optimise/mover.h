@@ -41,6 +41,7 @@ struct MoverInput {
   const StarMesh& mesh;
   const std::vector<Texels>& pictures;
   const AlignmentOptions& options;
+  const Alignment& alignment;  // as it was before the first cycle
 };
 
 std::unique_ptr<Mover> cpuMover(const MoverInput& input);

@@ -45,7 +45,7 @@ class RasterMover final : public Mover {
   RasterMover(const MoverInput& input, const Device& device)
       : input_(input),
         device_(device),
-        buffers_(device, input.mesh, input.pictures),
+        buffers_(device, input.mesh, input.pictures, input.alignment.position),
         submission_(device),
         judge_(cpuMover(input)) {
     check(device.countsTogether64Bits(), ErrorCode::unsupported,
@@ -135,7 +135,8 @@ class RasterMover final : public Mover {
         .seed = request.seed,
         .instances = input_.options.scaledInstances ? shader::eccInstances(most, reach, request.radius) : most,
         .definition = definition_,
-        .floor = floorOf(input_.options.varianceFloor)};
+        .floor = scoreUnits(input_.options.varianceFloor),
+        .rigidity = scoreUnits(input_.options.rigidity)};
     submission_.run([&](VkCommandBuffer commands) { record(commands, step, at); });
 
     const shader::AlignmentOutcome& outcome = buffers_.outcomes()[0];
