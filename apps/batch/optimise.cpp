@@ -102,6 +102,7 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                {"radius", alignment.radiusPx},
                {"decay", alignment.decay},
                {"threshold", alignment.threshold},
+               {"rigidity", alignment.rigidity},
                {"prune", alignment.prune},
                {"seed", alignment.seed},
                {"seconds", report.seconds}});

@@ -21,6 +21,7 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
   for (const double v : {double(options.instances), options.radiusPx, options.decay, options.threshold,
                          double(options.mostCycles), options.varianceFloor})
     hash.add(v);
+  hash.add(options.rigidity);
   hash.add(options.prune);
   hash.add(options.scaledInstances);
   hash.add(options.seed);

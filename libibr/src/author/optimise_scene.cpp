@@ -149,6 +149,7 @@ std::string settingsWith(const std::string& settings, const OptimiseCellsOptions
                        {"radius", a.radiusPx},
                        {"decay", a.decay},
                        {"threshold", a.threshold},
+                       {"rigidity", a.rigidity},
                        {"prune", a.prune},
                        {"seed", a.seed}};
   if (!options.cells.empty()) json["optimised"]["cells"] = options.cells;

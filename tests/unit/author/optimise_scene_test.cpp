@@ -248,6 +248,8 @@ TEST_CASE("a run that was stopped goes on, and comes to the same bytes") {
   calls = 10;
   CHECK(optimiseScene(kept, stopsAtThird).cells[2].resumed);
   CHECK(calls == 10);
+  kept.cells.alignment.rigidity = 4;
+  CHECK(!optimiseScene(kept, stopsAtThird).cells[2].resumed);
   kept.cells.alignment.seed = 2;
   CHECK(!optimiseScene(kept, stopsAtThird).cells[2].resumed);
 }
