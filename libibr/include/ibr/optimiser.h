@@ -34,13 +34,15 @@ struct Alignment {
   std::vector<glm::uvec3> triangles;              // that are judged; twice their area is positive in all pictures
   std::vector<glm::uvec3> kept;                   // not judged, but where one is not folded over, it stays so
   std::vector<std::uint8_t> fixed;                // n, or none: points that must not move
+  /// d × n, or none: unit direction in which a match may slide, its epipolar line's; (0, 0) = any. Of `gradient`.
+  std::vector<std::vector<glm::vec2>> epipolar;
 };
 
 enum class AlignmentMethod : std::uint8_t {
   raster,    // the paper's: instances drawn by the rasteriser, one point after another
   compute,   // one lane a candidate, points that share no triangle at once, the winner chosen on the device
   cpu,       // the same on the processor
-  gradient,  // forward-additive ECC on the displacement, candidates at random where it finds nothing (processor)
+  gradient,  // forward-additive ECC on the displacement after few candidates at random (processor)
 };
 
 /// Asked for each point that moved: whether its match in all pictures (`position[i]`, 1/128 px) can stand. What it
@@ -62,6 +64,10 @@ struct AlignmentOptions {
   double rigidity = 0;
   bool prune = false;           // compute, cpu: all candidates on every 8th row, the best 8 of them whole
   bool scaledInstances = true;  // M′ = M·r²/R² ([T] §3.7), at least 8
+  int levels = 1;               // gradient: of the scale space, one a cycle, the pictures themselves last; 1 to 8
+  int escape = 12;              // gradient: candidates at random before a step; 0 to 256
+  /// gradient: as rigidity, of the distance off the line along which the match may slide (Alignment::epipolar).
+  double epipolarWeight = 0;
   std::uint64_t seed = 1;       // same alignment, options and seed: same mesh
   int threads = 0;              // of the processor; 0 = all cores
   AlignmentGuard guard;         // none: nothing is refused

@@ -56,6 +56,8 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
   switch (input.options.method) {
     case AlignmentMethod::cpu:
       return cpuMover(input);
+    case AlignmentMethod::gradient:
+      return gradientMover(input);
     case AlignmentMethod::compute:
       check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
       return computeMover(input, *device);
@@ -77,6 +79,9 @@ std::string optionsFault(const AlignmentOptions& o) {
   if (!(o.threshold >= 0 && std::isfinite(o.threshold))) return fmt::format("threshold {}: at least 0", o.threshold);
   if (o.mostCycles < 1) return fmt::format("cycles {}: at least 1", o.mostCycles);
   if (!within(o.rigidity, 0, 10000)) return fmt::format("rigidity {}: 0 to 10000", o.rigidity);
+  if (!within(o.levels, 1, 8)) return fmt::format("levels {}: 1 to 8", o.levels);
+  if (!within(o.escape, 0, 256)) return fmt::format("escape {}: 0 to 256", o.escape);
+  if (!within(o.epipolarWeight, 0, 10000)) return fmt::format("epipolar weight {}: 0 to 10000", o.epipolarWeight);
   if (!within(o.varianceFloor, 0, 1000)) return fmt::format("variance floor {}: 0 to 1000", o.varianceFloor);
   return {};
 }
@@ -115,7 +120,8 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
     last = mean;
     if (ecc > bestMean.of(options.definition)) best = at, bestMean = mean, summary.bestCycle = std::size_t(c) + 1;
     const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kLeastScale);
-    if (counts.moved == 0 || (c > 0 && stalled)) break;
+    const int finer = c - mover->coarseCycles();
+    if (finer >= 0 && (counts.moved == 0 || (finer > 0 && stalled))) break;
   }
   alignment.position = std::move(best);
   summary.finalEcc = bestMean.channels;

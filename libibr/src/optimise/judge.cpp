@@ -9,27 +9,7 @@
 namespace ibr {
 namespace {
 
-using shader::EccEdge;
-using shader::EccMap;
 using shader::EccTarget;
-
-struct Corner {
-  glm::ivec2 source, target;
-  glm::ivec2 mean() const { return source + target; }  // 2⁻⁸ px
-};
-
-RunSource runAt(const EccMap& map, const Texels& texels, glm::ivec2 origin, int column, int row) {
-  constexpr std::int64_t kTexel = std::int64_t(1) << shader::kEccCoordinateBits;
-  constexpr int kDropped = shader::kEccCoordinateBits - shader::kEccRunBits;
-  const std::int64_t x = shader::eccAt(map.originX, map.xByX, map.xByY, origin, column, row);
-  const std::int64_t y = shader::eccAt(map.originY, map.yByX, map.yByY, origin, column, row);
-  return {texels.at(int(x >> shader::kEccCoordinateBits), int(y >> shader::kEccCoordinateBits)),
-          texels.stride,
-          std::int32_t((x & (kTexel - 1)) >> kDropped),
-          std::int32_t((y & (kTexel - 1)) >> kDropped),
-          std::int32_t(map.xByX >> kDropped),
-          std::int32_t(map.yByX >> kDropped)};
-}
 
 // A triangle of one pair, whole or in every step-th row.
 class PairSums {
@@ -41,49 +21,22 @@ class PairSums {
 
   /// False where it cannot be judged.
   bool add(const Corner& a, const Corner& b, const Corner& c) {
-    const glm::ivec2 ma = a.mean(), mb = b.mean(), mc = c.mean();
-    const std::int64_t area = shader::eccArea(ma, mb, mc);
-    if (area <= 0 || !shader::eccSmall(ma, mb, mc)) return false;
-    fromSource_ = shader::eccMap(ma, mb, mc, a.source, b.source, c.source, area);
-    fromTarget_ = shader::eccMap(ma, mb, mc, a.target, b.target, c.target, area);
-    if (!shader::eccGentle(fromSource_) || !shader::eccGentle(fromTarget_)) return false;
-    origin_ = ma;
-    std::array<glm::ivec2, 3> byRow{ma, mb, mc};
-    std::ranges::sort(byRow, {}, &glm::ivec2::y);
-    half(byRow[0], byRow[1], byRow[0], byRow[2]);
-    half(byRow[1], byRow[2], byRow[0], byRow[2]);
+    TriangleMaps maps;
+    if (!maps.set(a, b, c)) return false;
+    forEachRun(a.mean(), b.mean(), c.mean(), rows_, [&](int column, int row, int pixels) {
+      runs_.add(runAt(maps.source, source_, maps.origin, column, row),
+                runAt(maps.target, target_, maps.origin, column, row), pixels, sums_, lanes_);
+    });
     return true;
   }
 
  private:
-  // The rows of the edge top–bottom, which the edge first–last spans, too.
-  void half(glm::ivec2 top, glm::ivec2 bottom, glm::ivec2 first, glm::ivec2 last) {
-    const int behind = shader::eccFirstRow(bottom.y);
-    int row = shader::eccFirstRow(top.y);
-    row += ((rows_.phase - row) % rows_.step + rows_.step) % rows_.step;
-    if (row >= behind) return;
-    EccEdge near = shader::eccEdge(top, bottom, row, rows_.step), far = shader::eccEdge(first, last, row, rows_.step);
-    for (; row < behind; row += rows_.step) {
-      addRow(int(std::min(near.column, far.column)), int(std::max(near.column, far.column)), row);
-      shader::eccNextRow(near);
-      shader::eccNextRow(far);
-    }
-  }
-
-  void addRow(int from, int behind, int row) {
-    for (; from < behind; from += shader::kEccRun)
-      runs_.add(runAt(fromSource_, source_, origin_, from, row), runAt(fromTarget_, target_, origin_, from, row),
-                std::min(behind - from, shader::kEccRun), sums_, lanes_);
-  }
-
   const Texels& source_;
   const Texels& target_;
   RowChoice rows_;
   const RunAdder& runs_;
   EccTarget& sums_;
   RunLanes lanes_;
-  EccMap fromSource_{}, fromTarget_{};
-  glm::ivec2 origin_{0};
 };
 
 template <class Triangles>

@@ -10,14 +10,10 @@
 
 #include "optimise/star_mesh.h"
 #include "optimise/texels.h"
+#include "optimise/triangle_rows.h"
 #include "shared/ecc.h"
 
 namespace ibr {
-
-/// Every step-th row of the mean, those whose number leaves the rest `phase`.
-struct RowChoice {
-  int step = 1, phase = 0;
-};
 
 struct Judgement {
   std::array<shader::EccTarget, 3> targets{};  // in the order of the pictures, without the source

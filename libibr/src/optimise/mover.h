@@ -34,6 +34,9 @@ class Mover {
 
   /// Judgement of every point where it stands, picture after picture: d × n. Points without a star: no pixels.
   virtual std::vector<Judgement> judgeAll(const Positions& at) = 0;
+
+  /// How many of the first cycles see less than the pictures have: what they gain ends no loop.
+  virtual int coarseCycles() const { return 0; }
 };
 
 /// What every mover is made from; all of it outlives the mover.
@@ -45,6 +48,7 @@ struct MoverInput {
 };
 
 std::unique_ptr<Mover> cpuMover(const MoverInput& input);
+std::unique_ptr<Mover> gradientMover(const MoverInput& input);
 std::unique_ptr<Mover> computeMover(const MoverInput& input, const Device& device);
 std::unique_ptr<Mover> rasterMover(const MoverInput& input, const Device& device);
 

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// Method `gradient`: each point takes the step that forward-additive ECC says is best (ecc_step.h), or a fraction of
+// it, if its star's exact ECC rises. The stars of a class are judged side by side, as in `cpu`.
+//
+// Before the step a few candidates at random are judged, so that it may start in another basin.
+//
+// Departures: [T] §3.7 has candidates at random alone; the first cycles may see blurred pictures (coarse to fine).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "base/check.h"
+#include "optimise/blurred.h"
+#include "optimise/ecc_step.h"
+#include "optimise/mover.h"
+#include "optimise/workers.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::array<double, 3> kFractions{1, 0.5, 0.25};  // of a step
+
+struct Pick {
+  glm::ivec2 offset{0};
+  std::uint64_t mutations = 0, pixels = 0;
+  shader::EccScore score{};  // there
+};
+
+void checkEpipolar(const Alignment& a) {
+  check(a.epipolar.empty() || a.epipolar.size() == a.position.size(), ErrorCode::invalidInput,
+        "alignment.epipolar: {} lists for {} pictures", a.epipolar.size(), a.position.size());
+  for (std::size_t i = 0; i < a.epipolar.size(); ++i)
+    check(a.epipolar[i].size() == a.position[i].size(), ErrorCode::invalidInput,
+          "alignment.epipolar[{}]: {} directions for {} points", i, a.epipolar[i].size(), a.position[i].size());
+}
+
+class GradientMover final : public Mover {
+ public:
+  explicit GradientMover(const MoverInput& input) : input_(input) {
+    checkEpipolar(input.alignment);
+    judgeInputs_.push_back({input.mesh, input.pictures});
+    blurred_.reserve(std::size_t(input.options.levels));
+    for (int level = 1; level < input.options.levels; ++level) {
+      std::vector<Texels> pictures;
+      for (const Texels& before : judgeInputs_.back().pictures)
+        pictures.push_back(blurred(before, level, input.options.threads));
+      blurred_.push_back(std::move(pictures));
+      judgeInputs_.push_back({input.mesh, blurred_.back()});
+    }
+  }
+
+  int coarseCycles() const override { return input_.options.levels - 1; }
+
+  CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
+    level_ = level_ < 0 ? input_.options.levels - 1 : std::max(level_ - 1, 0);
+    CycleCounts counts;
+    for (std::size_t member = 0; member < at.size(); ++member)
+      for (std::size_t c = 0; c + 1 < input_.mesh.colours.first.size(); ++c) {
+        moveClass(input_.mesh.colours[c], member, request, at, counts);
+        keepGoing();
+      }
+    return counts;
+  }
+
+  std::vector<Judgement> judgeAll(const Positions& at) override {
+    const std::size_t n = input_.mesh.pointCount();
+    std::vector<Judgement> all(at.size() * n);
+    forEachInParallel(all.size(), input_.options.threads, [&](std::size_t i) {
+      all[i] = judge(judgeInputs_[0], at, std::uint32_t(i % n), i / n, glm::ivec2(0));
+    });
+    return all;
+  }
+
+ private:
+  void moveClass(std::span<const std::uint32_t> points, std::size_t member, const CycleRequest& request, Positions& at,
+                 CycleCounts& counts) {
+    std::vector<Pick> picks(points.size());
+    forEachInParallel(points.size(), input_.options.threads,
+                      [&](std::size_t i) { picks[i] = best(points[i], member, request, at); });
+    std::vector<Moved> moved;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      counts.mutations += picks[i].mutations;
+      counts.pixels += picks[i].pixels;
+      if (picks[i].offset == glm::ivec2(0)) continue;
+      moved.push_back({points[i], at[member][points[i]]});
+      at[member][points[i]] += picks[i].offset;
+    }
+    askGuard(input_.options.guard, moved, member, at, counts);
+  }
+
+  // A point in one picture, and what it may do there.
+  struct Place {
+    std::uint32_t point;
+    std::size_t member;
+    const Positions& at;
+    int reach;
+    DisplacementPrior prior;
+  };
+
+  Pick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
+    Pick pick;
+    const Place place{point, member, at, reachOf(input_.mesh, at, point, member, request.radius),
+                      priorOf(point, member)};
+    if (place.reach == 0) return pick;
+    pick.score = scoreAt(place, pick.offset, pick);
+    const std::uint32_t seed = shader::eccPointSeed(request.seed, std::uint32_t(member), point);
+    for (std::uint32_t m = 1; m <= std::uint32_t(input_.options.escape); ++m)
+      take(place, candidateOffset(input_.mesh, at, point, member, place.reach, seed, m), pick);
+    const glm::dvec2 step = stepFrom(place, pick.offset), from(pick.offset);
+    for (const double fraction : kFractions)
+      if (take(place, glm::ivec2(glm::round(from + step * fraction)), pick)) break;
+    return pick;
+  }
+
+  // The candidate becomes the pick if it is better: a higher ECC, what its way costs taken off.
+  bool take(const Place& place, glm::ivec2 offset, Pick& pick) const {
+    if (offset == pick.offset || !fits(input_.mesh, place.at, place.point, place.member, offset)) return false;
+    const shader::EccScore score = scoreAt(place, offset, pick);
+    if (!shader::eccWins(score, pick.score)) return false;
+    pick.offset = offset;
+    pick.score = score;
+    return true;
+  }
+
+  // 1/128 px, no longer than the way from `offset` to the end of the reach; along the chord where the point slides.
+  glm::dvec2 stepFrom(const Place& place, glm::ivec2 offset) const {
+    std::optional<glm::dvec2> chord;
+    if (input_.mesh.border[place.point] == Border::slides) {
+      const glm::uvec2 ends = input_.mesh.chord[place.point];
+      chord = glm::dvec2(place.at[place.member][ends.y] - place.at[place.member][ends.x]);
+      if (*chord == glm::dvec2(0)) return glm::dvec2(0);
+      *chord = glm::normalize(*chord);
+    }
+    const GradientSums sums = gradientSums(judgeInputs_[std::size_t(level_)], place.at, place.point, place.member,
+                                           offset, input_.options.definition, input_.options.varianceFloor, rows());
+    const auto step = eccStep(sums, place.prior, movedBy(place, offset), chord);
+    if (!step) return glm::dvec2(0);
+    const glm::dvec2 units = *step * double(kAlignmentUnitsPerPixel);
+    const double most = double(place.reach) - glm::length(glm::dvec2(offset)), length = glm::length(units);
+    return most <= 0 ? glm::dvec2(0) : length > most ? units * (most / length) : units;
+  }
+
+  RowChoice rows() const { return {1 << level_, 0}; }
+
+  shader::EccScore scoreAt(const Place& place, glm::ivec2 offset, Pick& pick) const {
+    const Judgement judgement =
+        judge(judgeInputs_[std::size_t(level_)], place.at, place.point, place.member, offset, rows());
+    ++pick.mutations;
+    pick.pixels += judgement.pixels();
+    return judgement.score(input_.options.definition, input_.options.varianceFloor, costAt(place, offset));
+  }
+
+  glm::dvec2 movedBy(const Place& place, glm::ivec2 offset) const {
+    const std::vector<glm::ivec2>& start = input_.alignment.position[place.member];
+    return glm::dvec2(place.at[place.member][place.point] + offset - start[place.point]) /
+           double(kAlignmentUnitsPerPixel);
+  }
+
+  // What priorOf says, in whole numbers.
+  std::int64_t costAt(const Place& place, glm::ivec2 offset) const {
+    const glm::ivec2 way =
+        place.at[place.member][place.point] + offset - input_.alignment.position[place.member][place.point];
+    const std::int64_t cost = shader::eccCost(way, scoreUnits(input_.options.rigidity));
+    const glm::dvec2 along = epipolarOf(place.point, place.member);
+    const int off = int(std::lround(along.x * way.y - along.y * way.x));
+    return cost + shader::eccCost(glm::ivec2(off, 0), scoreUnits(input_.options.epipolarWeight));
+  }
+
+  DisplacementPrior priorOf(std::uint32_t point, std::size_t member) const {
+    if (input_.options.definition != EccDefinition::channels) return {};
+    const glm::dvec2 along = epipolarOf(point, member), off(-along.y, along.x);
+    return {glm::dmat2(input_.options.rigidity) + input_.options.epipolarWeight * glm::outerProduct(off, off)};
+  }
+
+  // (0, 0): any.
+  glm::dvec2 epipolarOf(std::uint32_t point, std::size_t member) const {
+    const auto& epipolar = input_.alignment.epipolar;
+    return epipolar.empty() ? glm::dvec2(0) : glm::dvec2(epipolar[member][point]);
+  }
+
+  const MoverInput input_;
+  std::vector<std::vector<Texels>> blurred_;  // levels from 1 on
+  std::vector<JudgeInput> judgeInputs_;       // of each level
+  int level_ = -1;                            // of the present cycle; −1 before the first
+};
+
+}  // namespace
+
+std::unique_ptr<Mover> gradientMover(const MoverInput& input) {
+  return std::make_unique<GradientMover>(input);
+}
+
+}  // namespace ibr
