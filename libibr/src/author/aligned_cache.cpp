@@ -21,6 +21,9 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
   for (const double v : {double(options.instances), options.radiusPx, options.decay, options.threshold,
                          double(options.mostCycles), options.varianceFloor})
     hash.add(v);
+  hash.add(options.levels);
+  hash.add(options.escape);
+  hash.add(options.epipolarWeight);
   hash.add(options.rigidity);
   hash.add(options.prune);
   hash.add(options.scaledInstances);
