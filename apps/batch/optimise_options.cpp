@@ -50,6 +50,8 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   addChoice<EccDefinition>(app, "--definition", options.definition, {kDefinitions.begin(), kDefinitions.end()},
                            "Correlation with a mean for each channel and target, or with one for all as in the paper "
                            "[channels]");
+  addDouble(app, "--rigidity", options.rigidity, 0, 10000,
+            "What a match that goes a pixel from where it began must explain, grey^2 a sample and channel");
   app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
 }
 
