@@ -33,7 +33,8 @@ EccScore judgedScore(uint member, uint point, uint instance, int step, int phase
   const StarSums sums = judgedStar(member, point, offset, step, phase);
   ++judged;
   pixels += pixelsOf(sums);
-  return scoreOf(sums, todo.definition, todo.floor, eccCost(wayOf(member, point, offset), todo.rigidity));
+  const int64_t toll = eccToll(wayOf(member, point, offset), wayOf(member, point, ivec2(0)), todo.rigidity);
+  return scoreOf(sums, todo.definition, todo.floor, toll);
 }
 
 // Whether candidate a comes before b: greater, or not less and earlier.

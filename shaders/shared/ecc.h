@@ -204,6 +204,12 @@ IBR_FUNCTION int64_t eccCost(ivec2 way, int64_t rigidity) {
   return min((min(square, int64_t(1) << 30) * rigidity) >> 14, int64_t(1) << 30);
 }
 
+/// What going there costs: as much as that place costs more than where the point stands. Going back is free, not rewarded,
+/// so that a move that wins never lowers the ECC itself.
+IBR_FUNCTION int64_t eccToll(ivec2 wayThere, ivec2 wayHere, int64_t rigidity) {
+  return max(eccCost(wayThere, rigidity) - eccCost(wayHere, rigidity), int64_t(0));
+}
+
 /// `all`: sums over the targets; `floor` and `cost` in 2⁻¹⁶ grey², a sample and channel.
 IBR_FUNCTION EccScore eccFinished(EccScore channels, EccTarget all, uint definition, int64_t floor, int64_t cost) {
   EccScore score = channels;

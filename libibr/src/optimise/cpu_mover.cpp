@@ -106,9 +106,9 @@ class CpuMover final : public Mover {
                  const Positions& at, Pick& pick) const {
     for (Candidate& c : candidates) {
       const Judgement judgement = judge(judgeInput_, at, point, member, c.offset, rows);
-      const glm::ivec2 way = at[member][point] + c.offset - input_.alignment.position[member][point];
+      const glm::ivec2 way = at[member][point] - input_.alignment.position[member][point];
       c.score = judgement.score(input_.options.definition, input_.options.varianceFloor,
-                                shader::eccCost(way, scoreUnits(input_.options.rigidity)));
+                                shader::eccToll(way + c.offset, way, scoreUnits(input_.options.rigidity)));
       pick.pixels += judgement.pixels();
     }
     pick.mutations += candidates.size();

@@ -149,7 +149,8 @@ class GradientMover final : public Mover {
         judge(judgeInputs_[std::size_t(level_)], place.at, place.point, place.member, offset, rows());
     ++pick.mutations;
     pick.pixels += judgement.pixels();
-    return judgement.score(input_.options.definition, input_.options.varianceFloor, costAt(place, offset));
+    return judgement.score(input_.options.definition, input_.options.varianceFloor,
+                           std::max(costAt(place, offset) - costAt(place, glm::ivec2(0)), std::int64_t(0)));
   }
 
   glm::dvec2 movedBy(const Place& place, glm::ivec2 offset) const {

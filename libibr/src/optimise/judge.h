@@ -20,7 +20,7 @@ struct Judgement {
   int count = 0;                               // of targets
   bool whole = true;  // false: a triangle is too large or too steep to be judged, nothing is said
   std::uint64_t pixels() const;
-  /// `cost` (eccCost) is of the definition `channels`, as the floor is.
+  /// `cost` (eccToll) is of the definition `channels`, as the floor is.
   shader::EccScore score(EccDefinition definition, double varianceFloor, std::int64_t cost = 0) const;
 };
 
