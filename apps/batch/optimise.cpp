@@ -83,6 +83,7 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                  {"resolution", {cell.width, cell.height}},
                  {"triangles", cell.judged},
                  {"moved", cell.moved},
+                 {"flipped", cell.flipped},
                  {"fixed", cell.fixed},
                  {"takenBack", cell.takenBack},
                  {"cycles", cell.summary.cycles.size()},
@@ -103,6 +104,8 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                {"decay", alignment.decay},
                {"threshold", alignment.threshold},
                {"rigidity", alignment.rigidity},
+               {"flipEdges", alignment.flipEdges},
+               {"flipGain", alignment.flipGain},
                {"prune", alignment.prune},
                {"seed", alignment.seed},
                {"seconds", report.seconds}});

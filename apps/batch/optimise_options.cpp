@@ -52,6 +52,10 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
                            "[channels]");
   addDouble(app, "--rigidity", options.rigidity, 0, 10000,
             "What a match that goes a pixel from where it began must explain, grey^2 a sample and channel");
+  app.add_flag("--flip-edges", options.flipEdges,
+               "Join points anew where their photographs then agree better; not in cells of panoramas");
+  addDouble(app, "--flip-gain", options.flipGain, 0, 1,
+            "ECC by which the two triangles beside a flipped edge must rise");
   app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
 }
 

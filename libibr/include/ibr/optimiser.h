@@ -70,9 +70,13 @@ struct AlignmentOptions {
   int escape = 12;              // gradient: candidates at random before a step; 0 to 256
   /// gradient: as rigidity, of the distance off the line along which the match may slide (Alignment::epipolar).
   double epipolarWeight = 0;
-  std::uint64_t seed = 1;       // same alignment, options and seed: same mesh
-  int threads = 0;              // of the processor; 0 = all cores
-  AlignmentGuard guard;         // none: nothing is refused
+  /// After each cycle over the pictures themselves, edges are flipped where the ECC of the two triangles beside them
+  /// rises by flipGain, or by more where they have few pixels.
+  bool flipEdges = false;
+  double flipGain = 0.005;  // [0, 1]
+  std::uint64_t seed = 1;   // same alignment, options and seed: same mesh
+  int threads = 0;          // of the processor; 0 = all cores
+  AlignmentGuard guard;     // none: nothing is refused
 };
 
 /// Faults of the values above, for people; empty when there is none.
@@ -86,6 +90,7 @@ struct AlignmentCycle {
   std::size_t moved = 0;        // points, a picture each
   std::size_t refused = 0;      // by the guard
   double seconds = 0;
+  std::size_t flipped = 0;  // edges
 };
 
 /// Means over all stars and pictures; a star whose ECC is undefined (no texture) counts as 0, as in the paper.
@@ -95,13 +100,16 @@ struct AlignmentSummary {
   std::vector<float> starEccBefore, starEccAfter;  // n, per channel and target, mean over the pictures; NaN: no star
   std::vector<AlignmentCycle> cycles;
   std::size_t bestCycle = 0;  // that the mesh is of; 0 = before the first
+  std::size_t flips = 0;      // of edges, until then
   double seconds = 0;
 };
 
 /// Moves the points of `alignment`. No triangle folds over in a picture or in a mean of two or all of them; points of
-/// the border move along it. The mesh of the best cycle stays. `device` is needed for raster and compute, which submit
-/// to its queue and wait; it needs shaderInt64 and, for raster, 64-bit buffer atomics. Throws Error (invalidInput,
-/// unsupported, deviceLost, outOfMemory, cancelled by `progress`); then `alignment` is as it was.
+/// the border move along it. The mesh of the best cycle stays. With flipEdges `triangles` change in place: as many as
+/// before, of the same points, over the same area; a new one has the index of an old one beside it. `device` is needed
+/// for raster and compute, which submit to its queue and wait; it needs shaderInt64 and, for raster, 64-bit buffer
+/// atomics. Throws Error (invalidInput, unsupported, deviceLost, outOfMemory, cancelled by `progress`); then
+/// `alignment` is as it was.
 AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, const Device* device = nullptr,
                        const ProgressCallback& progress = {});
 

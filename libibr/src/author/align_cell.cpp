@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "author/alignment_grid.h"
@@ -24,6 +25,11 @@ std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
   std::vector<glm::ivec2> sizes;
   for (const MatchView& view : views) sizes.emplace_back(view.picture.width, view.picture.height);
   return sizes;
+}
+
+// Of a judged triangle: whether it is positive as the mesh has it, and not the other way round.
+bool isUpright(const MorphMesh& mesh, const glm::uvec3& t) {
+  return (meshSigns(mesh.match, t) & 1u) != 0;
 }
 
 // Points that may move tell what their face was matched with.
@@ -84,6 +90,16 @@ Match PictureAlignment::run(const AlignmentOptions& options, const Aligner& alig
   return movedMatch(mesh_, start, grid_.alignment.position);
 }
 
+std::vector<glm::uvec3> PictureAlignment::triangles() const {
+  std::vector<glm::uvec3> triangles = mesh_.triangles;
+  for (std::size_t n = 0; n < grid_.judged.size(); ++n) {
+    glm::uvec3& t = triangles[grid_.judged[n]];
+    const glm::uvec3 is = grid_.alignment.triangles[n];
+    if (is != t && is != turned(t)) t = isUpright(mesh_, t) ? is : turned(is);
+  }
+  return triangles;
+}
+
 Range PictureAlignment::range(std::size_t point, const Match& match) const {
   std::vector<glm::dvec2> pixels;
   for (std::size_t i = 0; i < match.size(); ++i) pixels.push_back(matched_.pixel(i, match[i][point]));
@@ -127,6 +143,25 @@ std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& sig
   return std::size_t(std::ranges::count(back, true));
 }
 
+std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
+  const std::vector<std::size_t> flipped = flippedTriangles(before, now);
+  MorphMesh others = before;
+  for (const std::size_t t : flipped) others.triangles[t] = glm::uvec3(0);  // never positive: it holds nothing back
+  Match match = now.match;
+  std::size_t back = takeBackFolded(others, match, meshSigns);
+  const bool stand = std::ranges::all_of(flipped, [&](std::size_t t) {
+    const glm::uvec3 is = now.triangles[t];
+    return meshSigns(match, isUpright(before, before.triangles[t]) ? is : turned(is)) == allPositive(match.size());
+  });
+  if (!stand) {
+    now.triangles = before.triangles;
+    match = now.match;
+    back = takeBackFolded(before, match, meshSigns);
+  }
+  now.match = std::move(match);
+  return back;
+}
+
 std::vector<bool> movedPoints(const Match& before, const Match& after) {
   std::vector<bool> moved(before[0].size(), false);
   for (std::size_t i = 0; i < before.size(); ++i)
@@ -142,6 +177,13 @@ std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector
     if (moved[corner.x] || moved[corner.y] || moved[corner.z]) triangles.push_back(t);
   }
   return triangles;
+}
+
+std::vector<std::size_t> flippedTriangles(const MorphMesh& before, const MorphMesh& now) {
+  std::vector<std::size_t> flipped;
+  for (std::size_t t = 0; t < now.triangles.size(); ++t)
+    if (now.triangles[t] != before.triangles[t]) flipped.push_back(t);
+  return flipped;
 }
 
 void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const Range> range,
@@ -196,15 +238,18 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   const aligning::MatchedSize matched(input.views);
   aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true);
   mesh.match = alignment.run(options, aligner, progress);
+  mesh.triangles = alignment.triangles();
   OptimisedCell& facts = result.facts;
   facts.points = before.pointCount();
   facts.judged = alignment.judged();
   facts.fixed = alignment.fixed();
   facts.summary = alignment.summary();
-  facts.takenBack = aligning::takeBackFolded(before, mesh.match, meshSigns);
+  facts.takenBack = aligning::takeBackFolded(before, mesh);
+  const std::vector<std::size_t> flipped = aligning::flippedTriangles(before, mesh);
+  facts.flipped = flipped.size();
   const std::vector<bool> moved = aligning::movedPoints(before.match, mesh.match);
   facts.moved = std::size_t(std::ranges::count(moved, true));
-  if (facts.moved == 0) return result;
+  if (facts.moved + facts.flipped == 0) return result;
 
   std::vector<Range> range;
   std::vector<double> level, residuals;
@@ -214,7 +259,8 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
     residuals.push_back(range[p].residualPx);
   }
   aligning::takeRanges(mesh, moved, range, level);
-  const std::vector<std::size_t> changed = aligning::movedTriangles(mesh, moved);
+  std::vector<std::size_t> changed;
+  std::ranges::set_union(aligning::movedTriangles(mesh, moved), flipped, std::back_inserter(changed));
   std::vector<glm::uvec3> corners;
   for (const std::size_t t : changed) corners.push_back(mesh.triangles[t]);
   const std::vector<float> ecc = matched.labels(mesh.match, corners);

@@ -31,7 +31,8 @@ AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options,
                       const ProgressCallback& progress);
 
 /// Panoramas are optimised on the faces of a cube (panorama_faces.h) in which all members look the same way: a point in
-/// the face that it lies in, if its whole star is well inside that face for all members, and then no other.
+/// the face that it lies in, if its whole star is well inside that face for all members, and then no other. No edge is
+/// flipped, though it is asked for.
 AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                            const ProgressCallback& progress);
 
@@ -69,8 +70,11 @@ class PictureAlignment {
   PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame, bool widened,
                    const std::vector<std::uint8_t>& fixed = {});
 
-  /// Where its points stand then; those that did not move to the bit as they stood.
+  /// Where its points stand then; those that did not move to the bit as they stood. `options.flipEdges`: triangles().
   Match run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress);
+
+  /// The mesh's, with the edges that run() has flipped: an index has one of the same tier, that turns the same way.
+  std::vector<glm::uvec3> triangles() const;
 
   const AlignmentSummary& summary() const { return summary_; }
   std::size_t judged() const { return grid_.alignment.triangles.size(); }
@@ -96,11 +100,18 @@ AlignmentSummary nothingJudged(std::size_t points);
 /// Moves back, in all pictures, what turns a triangle of the mesh over that was not. Gives the number of points.
 std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
 
+/// Moves points back as above, but with the triangles of `now`, which has those of `before` with edges flipped. Where a
+/// new one would then be folded over in a picture or a mean, all edges are flipped back first.
+std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now);
+
 /// n: whether a point stands elsewhere in any picture.
 std::vector<bool> movedPoints(const Match& before, const Match& after);
 
 /// Triangles with a corner that moved, by number.
 std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector<bool>& moved);
+
+/// Triangles whose corners are not those of `before`, by number.
+std::vector<std::size_t> flippedTriangles(const MorphMesh& before, const MorphMesh& now);
 
 /// ρ, a_i and uncertainty of what moved. `range`: n, used for points that moved; `level`: n, as widenUncertainty has
 /// it, or none where uncertainties are not widened.

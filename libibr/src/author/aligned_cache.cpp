@@ -8,7 +8,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 1;     // raise it when cells come out differently
+constexpr std::uint64_t kVersion = 2;     // raise it when cells come out differently
 constexpr const char* kKind = "aligned";  // of kept file
 
 }  // namespace
@@ -25,6 +25,8 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
   hash.add(options.escape);
   hash.add(options.epipolarWeight);
   hash.add(options.rigidity);
+  hash.add(options.flipEdges);
+  hash.add(options.flipGain);
   hash.add(options.prune);
   hash.add(options.scaledInstances);
   hash.add(options.seed);
@@ -50,7 +52,7 @@ void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const 
   out.mesh(cell.mesh);
   out.value(cell.quality);
   const OptimisedCell& facts = cell.facts;
-  for (const std::size_t v : {facts.points, facts.judged, facts.fixed, facts.moved, facts.takenBack})
+  for (const std::size_t v : {facts.points, facts.judged, facts.fixed, facts.moved, facts.flipped, facts.takenBack})
     out.value(std::uint64_t(v));
   const AlignmentSummary& summary = facts.summary;
   for (const double v : {summary.initialEcc, summary.finalEcc, summary.initialEccPaper, summary.finalEccPaper})
@@ -59,6 +61,7 @@ void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const 
   out.list(summary.starEccAfter);
   out.list(summary.cycles);
   out.value(std::uint64_t(summary.bestCycle));
+  out.value(std::uint64_t(summary.flips));
   out.value(summary.seconds);
   storeKept(keptFile(folder, key, kKind), out.take());
 }
@@ -71,7 +74,8 @@ std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std
   cell.mesh = in.mesh();
   cell.quality = in.value<CellQuality>();
   OptimisedCell& facts = cell.facts;
-  for (std::size_t* const v : {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.takenBack})
+  for (std::size_t* const v :
+       {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.flipped, &facts.takenBack})
     *v = in.value<std::uint64_t>();
   AlignmentSummary& summary = facts.summary;
   for (double* const v : {&summary.initialEcc, &summary.finalEcc, &summary.initialEccPaper, &summary.finalEccPaper})
@@ -80,6 +84,7 @@ std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std
   summary.starEccAfter = in.list<float>();
   summary.cycles = in.list<AlignmentCycle>();
   summary.bestCycle = in.value<std::uint64_t>();
+  summary.flips = in.value<std::uint64_t>();
   summary.seconds = in.value<double>();
   return cell;
 }

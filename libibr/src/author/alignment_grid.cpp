@@ -43,8 +43,10 @@ class Grid {
       if (folded(t)) shift(t);
     for (std::size_t t = 0; t < judged_.size(); ++t)
       if (folded(t)) giveUp(worstCorner(t));
-    for (std::size_t t = 0; t < judged_.size(); ++t)
+    for (std::size_t t = 0; t < judged_.size(); ++t) {
       (judged_[t] ? out_.alignment.triangles : out_.alignment.kept).push_back(triangles_[t]);
+      if (judged_[t]) out_.judged.push_back(t);
+    }
     out_.alignment.fixed = std::move(fixed_);
     return std::move(out_);
   }

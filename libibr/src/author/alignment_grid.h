@@ -12,8 +12,9 @@
 namespace ibr {
 
 struct AlignmentGrid {
-  Alignment alignment;    // without pictures. Of tier 0, what turns the same way in all pictures and their means is
-                          // judged; triangles are positive in the first picture whichever way they turn in the mesh
+  Alignment alignment;  // without pictures. Of tier 0, what turns the same way in all pictures and their means is
+                        // judged; triangles are positive in the first picture whichever way they turn in the mesh
+  std::vector<std::size_t> judged;  // number in the mesh of each of alignment.triangles
   std::size_t fixed = 0;  // points that the grid cannot hold: no grid point around them keeps what lies around them; or
                           // they lie outside a picture. They do not move, triangles around them are not judged
 };

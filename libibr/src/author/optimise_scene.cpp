@@ -91,12 +91,11 @@ class Optimiser {
     const std::uint64_t key = alignmentKey(input, options_.alignment);
     std::optional<AlignedCell> kept;
     if (!options_.finished.empty()) kept = fetchAligned(options_.finished, key);
-    AlignedCell done =
-        kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
-          // Nobody knows how many cycles there will be: most often five or so.
-          shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
-          return !cancelled_.load();
-        });
+    AlignedCell done = kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
+      // Nobody knows how many cycles there will be: most often five or so.
+      shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
+      return !cancelled_.load();
+    });
     if (!kept && !options_.finished.empty()) storeAligned(options_.finished, key, done);
     OptimisedCell& facts = done.facts;
     facts.resumed = kept.has_value();
@@ -150,6 +149,8 @@ std::string settingsWith(const std::string& settings, const OptimiseCellsOptions
                        {"decay", a.decay},
                        {"threshold", a.threshold},
                        {"rigidity", a.rigidity},
+                       {"flipEdges", a.flipEdges},
+                       {"flipGain", a.flipGain},
                        {"prune", a.prune},
                        {"seed", a.seed}};
   if (!options.cells.empty()) json["optimised"]["cells"] = options.cells;

@@ -5,6 +5,7 @@
 //   repeat
 //     each picture, each class of points that share no triangle, each of its points:
 //       the best of M candidates within r; the point moves there unless it stands best already
+//     edges are flipped, if that is asked for (topology.h)
 //     E′ ← mean ECC; the mesh is kept if it is the best so far;  R ← R·D
 //   until E′ − E <= t·max(|E|, 1/100), from the second cycle on
 //
@@ -16,6 +17,7 @@
 
 #include "base/check.h"
 #include "optimise/mover.h"
+#include "optimise/topology.h"
 
 namespace ibr {
 namespace {
@@ -69,6 +71,50 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
   }
 }
 
+// A mesh that moves, and may be joined anew.
+class MovingMesh {
+ public:
+  MovingMesh(const Alignment& start, const AlignmentOptions& options, const Device* device)
+      : start_(start), options_(options), device_(device), now_(start) {
+    mesh_ = starMeshOf(start);
+    for (const Image8* picture : start.pictures) pictures_.push_back(texelsOf(*picture));
+    mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
+    coarse_ = mover_->coarseCycles();
+  }
+  MovingMesh(const MovingMesh&) = delete;
+
+  const Alignment& now() const { return now_; }
+  int coarseCycles() const { return coarse_; }
+  MeanEcc mean() { return meanOf(mover_->judgeAll(now_.position), mesh_, options_.varianceFloor); }
+  CycleCounts cycle(const CycleRequest& request, const KeepGoing& keepGoing) {
+    return mover_->cycle(request, now_.position, keepGoing);
+  }
+
+  /// Only after the coarse cycles: the new mover has none.
+  std::size_t flip() {
+    const std::size_t flips =
+        flipEdges(now_, pictures_, {options_.flipGain, options_.varianceFloor, kFlipPasses, options_.threads});
+    if (flips == 0) return 0;
+    mover_.reset();
+    options_.levels = 1;
+    mesh_ = starMeshOf(now_);
+    mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
+    return flips;
+  }
+
+ private:
+  static constexpr int kFlipPasses = 8;
+
+  const Alignment& start_;
+  AlignmentOptions options_;
+  const Device* device_;
+  Alignment now_;
+  StarMesh mesh_;
+  std::vector<Texels> pictures_;
+  std::unique_ptr<Mover> mover_;  // of mesh_
+  int coarse_ = 0;
+};
+
 }  // namespace
 
 std::string optionsFault(const AlignmentOptions& o) {
@@ -82,6 +128,7 @@ std::string optionsFault(const AlignmentOptions& o) {
   if (!within(o.levels, 1, 8)) return fmt::format("levels {}: 1 to 8", o.levels);
   if (!within(o.escape, 0, 256)) return fmt::format("escape {}: 0 to 256", o.escape);
   if (!within(o.epipolarWeight, 0, 10000)) return fmt::format("epipolar weight {}: 0 to 10000", o.epipolarWeight);
+  if (!within(o.flipGain, 0, 1)) return fmt::format("flip gain {}: 0 to 1", o.flipGain);
   if (!within(o.varianceFloor, 0, 1000)) return fmt::format("variance floor {}: 0 to 1000", o.varianceFloor);
   return {};
 }
@@ -91,18 +138,17 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
   const auto start = std::chrono::steady_clock::now();
   const std::string fault = optionsFault(options);
   check(fault.empty(), ErrorCode::invalidInput, "alignment: {}", fault);
-  const StarMesh mesh = starMeshOf(alignment);
-  std::vector<Texels> pictures;
-  for (const Image8* picture : alignment.pictures) pictures.push_back(texelsOf(*picture));
-  const std::unique_ptr<Mover> mover = moverOf({mesh, pictures, options, alignment}, device);
+  MovingMesh mesh(alignment, options, device);
 
   AlignmentSummary summary;
   const auto keepGoing = [&] {
     const Progress now{"aligning", summary.cycles.size(), 0};
     check(!progress || progress(now), ErrorCode::cancelled, "alignment: cancelled");
   };
-  Positions at = alignment.position, best = at;
-  MeanEcc last = meanOf(mover->judgeAll(at), mesh, options.varianceFloor), bestMean = last;
+  Positions bestPosition = alignment.position;
+  std::vector<glm::uvec3> bestTriangles = alignment.triangles;
+  MeanEcc last = mesh.mean(), bestMean = last;
+  std::size_t flips = 0;
   summary.initialEcc = last.channels;
   summary.initialEccPaper = last.concatenated;
   summary.starEccBefore = last.star;
@@ -112,18 +158,27 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
   for (int c = 0; c < options.mostCycles; ++c, radius *= options.decay) {
     const auto cycleStart = std::chrono::steady_clock::now();
     const CycleRequest request{std::max(int(radius), 1), shader::eccHash(seed, std::uint32_t(c))};
-    const CycleCounts counts = mover->cycle(request, at, keepGoing);
-    const MeanEcc mean = meanOf(mover->judgeAll(at), mesh, options.varianceFloor);
+    const CycleCounts counts = mesh.cycle(request, keepGoing);
+    const int finer = c - mesh.coarseCycles();
+    const std::size_t flipped = options.flipEdges && finer >= 0 ? mesh.flip() : 0;
+    flips += flipped;
+    const MeanEcc mean = mesh.mean();
     const double ecc = mean.of(options.definition), before = last.of(options.definition);
     summary.cycles.push_back({double(request.radius) / kAlignmentUnitsPerPixel, ecc, counts.mutations, counts.pixels,
-                              counts.moved, counts.refused, secondsSince(cycleStart)});
+                              counts.moved, counts.refused, secondsSince(cycleStart), flipped});
     last = mean;
-    if (ecc > bestMean.of(options.definition)) best = at, bestMean = mean, summary.bestCycle = std::size_t(c) + 1;
+    if (ecc > bestMean.of(options.definition)) {
+      bestPosition = mesh.now().position;
+      bestTriangles = mesh.now().triangles;
+      bestMean = mean;
+      summary.bestCycle = std::size_t(c) + 1;
+      summary.flips = flips;
+    }
     const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kLeastScale);
-    const int finer = c - mover->coarseCycles();
-    if (finer >= 0 && (counts.moved == 0 || (finer > 0 && stalled))) break;
+    if (finer >= 0 && (counts.moved + flipped == 0 || (finer > 0 && stalled))) break;
   }
-  alignment.position = std::move(best);
+  alignment.position = std::move(bestPosition);
+  alignment.triangles = std::move(bestTriangles);
   summary.finalEcc = bestMean.channels;
   summary.finalEccPaper = bestMean.concatenated;
   summary.starEccAfter = bestMean.star;

@@ -26,13 +26,6 @@ std::int64_t areaInMean(const Positions& at, std::size_t i, std::size_t k, const
   return shader::eccArea(at[i][t.x] + at[k][t.x], at[i][t.y] + at[k][t.y], at[i][t.z] + at[k][t.z]);
 }
 
-bool unfoldedInMeans(const Positions& at, const glm::uvec3& t) {
-  for (std::size_t i = 0; i < at.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k)
-      if (areaInMean(at, i, k, t) <= 0) return false;
-  return shader::eccArea(sumOf(at, t.x), sumOf(at, t.y), sumOf(at, t.z)) > 0;
-}
-
 void checkAlignment(const Alignment& a) {
   const std::size_t d = a.pictures.size();
   check(d >= 2 && d <= 4, ErrorCode::invalidInput, "alignment: {} pictures; 2 to 4 are asked for", d);
@@ -83,7 +76,7 @@ Lists listsOf(const Alignment& a) {
               std::vector<std::vector<std::uint32_t>>(n), a.fixed};
   lists.fixed.resize(n, 0);
   for (const glm::uvec3& t : a.triangles) {
-    const bool judged = unfoldedInMeans(a.position, t);
+    const bool judged = unfolded(a.position, t);
     for (int c = 0; c < 3; ++c) {
       if (judged)
         lists.star[t[c]].push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
@@ -143,6 +136,15 @@ void colour(StarMesh& mesh) {
 }
 
 }  // namespace
+
+bool unfolded(const Positions& at, const glm::uvec3& t) {
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    if (areaIn(at[i], t) <= 0) return false;
+    for (std::size_t k = 0; k < i; ++k)
+      if (areaInMean(at, i, k, t) <= 0) return false;
+  }
+  return shader::eccArea(sumOf(at, t.x), sumOf(at, t.y), sumOf(at, t.z)) > 0;
+}
 
 StarMesh starMeshOf(const Alignment& alignment) {
   checkAlignment(alignment);

@@ -49,6 +49,9 @@ struct StarMesh {
 /// the mean of two pictures or of all is left out of the stars and its corners are fixed.
 StarMesh starMeshOf(const Alignment& alignment);
 
+/// Whether a triangle is positive in each picture, in the mean of each two and in that of all. Exact.
+bool unfolded(const Positions& at, const glm::uvec3& t);
+
 /// Largest way of a point in `member`, 1/128 px, at most `most`: so that no judged triangle folds over in the picture,
 /// in its mean with any other or in that of all ([T] fig. 15). 0 where it cannot move.
 int reachOf(const StarMesh& mesh, const Positions& at, std::uint32_t point, std::size_t member, int most);

@@ -101,6 +101,23 @@ Aligner moving(glm::ivec2 by, std::size_t every = 3, bool asks = true) {
   };
 }
 
+// Joins the other two corners of the first two triangles beside each other, whatever the photographs say.
+AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+  for (std::size_t s = 0; s < a.triangles.size(); ++s)
+    for (std::size_t t = 0; t < s; ++t)
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) {
+          const glm::uvec3 one = a.triangles[s], other = a.triangles[t];
+          const unsigned from = one[k], to = one[(k + 1) % 3], c = one[(k + 2) % 3], d = other[(l + 2) % 3];
+          if (other[l] != to || other[(l + 1) % 3] != from) continue;
+          a.triangles[s] = {from, d, c};
+          a.triangles[t] = {d, to, c};
+          return summaryOf(a);
+        }
+  FAIL("no two triangles share an edge");
+  return summaryOf(a);
+}
+
 bool sameMesh(const MorphMesh& a, const MorphMesh& b) {
   return a.match == b.match && a.ratio == b.ratio && a.inverseDistance == b.inverseDistance &&
          a.uncertainty == b.uncertainty && a.triangles == b.triangles && a.tier == b.tier && a.ecc == b.ecc;
@@ -216,6 +233,60 @@ TEST_CASE("what would fold over goes back") {
   const auto report = optimiseScene(options, collapse);
   CHECK(report.cells[0].takenBack == 1);
   CHECK(report.cells[0].moved == 0);
+  CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
+}
+
+TEST_CASE("edges that the optimiser flipped are the scene's, with labels of their own, and all else stays") {
+  Wall wall;
+  const bool kept = GENERATE(false, true);
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  options.cells.finished = wall.folder / "finished";
+  if (kept) optimiseScene(wall.options("other"), doNothing), optimiseScene(options, flipOne);
+  const auto report = optimiseScene(options, flipOne);
+  CHECK(report.cells[0].resumed == kept);
+  CHECK(report.cells[0].moved == 0);
+  CHECK(report.cells[0].flipped == 2);
+  const MorphMesh &was = wall.scene.cells[0].mesh, is = loadScene(wall.folder / "out").cells[0].mesh;
+  REQUIRE(is.triangles.size() == was.triangles.size());
+  CHECK(is.match == was.match);
+  CHECK(is.tier == was.tier);
+  CHECK(is.inverseDistance == was.inverseDistance);
+  std::set<unsigned> corners;
+  std::size_t changed = 0;
+  for (std::size_t t = 0; t < is.triangles.size(); ++t) {
+    if (is.triangles[t] == was.triangles[t]) {
+      CHECK(is.ecc[t] == was.ecc[t]);
+      continue;
+    }
+    ++changed;
+    for (int k = 0; k < 3; ++k) corners.insert(is.triangles[t][k]);
+    CHECK(is.tier[t] == kTierAgrees);
+    CHECK(is.ecc[t] != was.ecc[t]);
+    // It turns the way that the mesh's triangles do.
+    CHECK((meshSigns(is.match, is.triangles[t]) & 1u) == (meshSigns(was.match, was.triangles[t]) & 1u));
+  }
+  CHECK(changed == 2);
+  CHECK(corners.size() == 4);
+  CHECK(validateSceneFiles(wall.folder / "out").empty());
+  options.cells.alignment.flipEdges = true;
+  CHECK(!optimiseScene(options, flipOne).cells[0].resumed);
+  options.cells.alignment.flipGain = 0.02;
+  CHECK(!optimiseScene(options, flipOne).cells[0].resumed);
+  CHECK_THAT(loadScene(wall.folder / "out").settings, Contains(R"("flipEdges":true,"flipGain":0.02)"));
+}
+
+TEST_CASE("edges are flipped back where new triangles would fold over") {
+  Wall wall;
+  const auto foldsOne = [](Alignment& a, const AlignmentOptions& o, const ProgressCallback& p) {
+    const AlignmentSummary summary = flipOne(a, o, p);
+    for (glm::uvec3& t : a.triangles) std::swap(t.y, t.z);
+    return summary;
+  };
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  const auto report = optimiseScene(options, foldsOne);
+  CHECK(report.cells[0].flipped == 0);
   CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
 }
 
