@@ -61,8 +61,8 @@ struct AlignmentOptions {
   double varianceFloor = 25;  // grey², of the definition `channels`; [0, 1000]
   /// grey²/px², of the definition `channels`; [0, 10000]. A match that stands d px from where it began must explain
   /// rigidity·d² more of the photographs' variance, a sample and channel: where there is no texture it stays. On two
-  /// cells of a street whose truth is known the share of vertices more than 3 px off is .15 before, .27 after with 0, .16
-  /// with 1, .15 with 10; mean ECC is .876 before, .922, .914, .899 after. The paper has no such thing: 0.
+  /// cells of a street whose truth is known (gradient) the share of vertices more than 3 px off is .15 before, .27 after
+  /// with 0, .16 with 1; mean ECC is .876 before, .922 and .915 after. The paper has no such thing: 0.
   double rigidity = 1;
   bool prune = false;           // compute, cpu: all candidates on every 8th row, the best 8 of them whole
   bool scaledInstances = true;  // M′ = M·r²/R² ([T] §3.7), at least 8
