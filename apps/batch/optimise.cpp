@@ -151,13 +151,10 @@ const Command kOptimiseCommand{
         "ibr build photographs -o scene --optimise",
     .details =
         "Each point tries places around it in each photograph and moves to where the triangles around it correlate "
-        "best "
-        "half-way between the photographs. No triangle folds over; a move after which the photographs' rays part is "
+        "best half-way between the photographs. No triangle folds over; a move after which the photographs' rays part is "
         "refused. The table has the mean correlation (ECC) of all points before and after, with a mean for each "
-        "channel "
-        "and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "
-        "--pictures "
-        "draws, for each cell, the picture half-way between its photographs under a map of the correlation (hot: bad), "
+        "channel and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "
+        "--pictures draws, for each cell, the picture half-way between its photographs under a map of the correlation (hot: bad), "
         "before and after side by side, and the places that changed most.",
     .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The paper's second pass ([T] §3.6): sums become ECCs, the point moves to the best candidate, and its new position goes
+// The paper's second pass ([T] §3.6): sums become ECCs, the point moves to the best candidate, and how far it moved goes
 // back to the host.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -66,9 +66,8 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
     case AlignmentMethod::raster:
       check(device != nullptr, ErrorCode::invalidInput, "alignment: this method needs a device");
       return rasterMover(input, *device);
-    default:
-      fail(ErrorCode::unsupported, "this method of alignment is not there yet");
   }
+  fail(ErrorCode::invalidInput, "alignment: method {} is none", int(input.options.method));
 }
 
 // A mesh that moves, and may be joined anew.

@@ -46,9 +46,13 @@ std::span<const T> mappedAs(const Buffer& buffer) {
   return {reinterpret_cast<const T*>(buffer.mapped().data()), buffer.size() / sizeof(T)};
 }
 
-void copyWhole(VkCommandBuffer commands, const Buffer& from, const Buffer& to) {
-  const VkBufferCopy region{0, 0, to.size()};
+// What shaders have written, to the same place of the host's buffer.
+void copyToHost(VkCommandBuffer commands, const Buffer& from, const Buffer& to, VkDeviceSize offset,
+                VkDeviceSize bytes) {
+  const VkBufferCopy region{offset, offset, bytes};
+  bufferBarrier(commands, use::kComputeReadWrite, use::kTransferRead);
   vkCmdCopyBuffer(commands, from.get(), to.get(), 1, &region);
+  bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
 }
 
 }  // namespace
@@ -125,17 +129,18 @@ void AlignmentBuffers::upload(const Device& device, const Positions& at, int bin
   uploader.flush();
 }
 
-void AlignmentBuffers::recordReadback(VkCommandBuffer commands) const noexcept {
-  bufferBarrier(commands, use::kComputeReadWrite, use::kTransferRead);
-  copyWhole(commands, buffers_[kBindingPositions], hostPositions_);
-  copyWhole(commands, buffers_[kBindingOutcomes], hostOutcomes_);
-  bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
+void AlignmentBuffers::recordPositionReadback(VkCommandBuffer commands) const noexcept {
+  copyToHost(commands, buffers_[kBindingPositions], hostPositions_, 0, hostPositions_.size());
+}
+
+void AlignmentBuffers::recordOutcomeReadback(VkCommandBuffer commands, std::uint32_t first,
+                                             std::uint32_t count) const noexcept {
+  constexpr VkDeviceSize kBytes = sizeof(AlignmentOutcome);
+  if (count > 0) copyToHost(commands, buffers_[kBindingOutcomes], hostOutcomes_, first * kBytes, count * kBytes);
 }
 
 void AlignmentBuffers::recordJudgementReadback(VkCommandBuffer commands) const noexcept {
-  bufferBarrier(commands, use::kComputeReadWrite, use::kTransferRead);
-  copyWhole(commands, buffers_[kBindingJudgements], hostJudgements_);
-  bufferBarrier(commands, use::kTransferWrite, use::kHostRead);
+  copyToHost(commands, buffers_[kBindingJudgements], hostJudgements_, 0, hostJudgements_.size());
 }
 
 std::span<const glm::ivec2> AlignmentBuffers::positions() const noexcept {

@@ -26,7 +26,8 @@ class AlignmentBuffers {
   void upload(const Device& device, const Positions& at) { upload(device, at, shader::kBindingPositions); }
 
   /// Copies to the host what the passes recorded before have written; ends in use::kHostRead.
-  void recordReadback(VkCommandBuffer commands) const noexcept;
+  void recordPositionReadback(VkCommandBuffer commands) const noexcept;
+  void recordOutcomeReadback(VkCommandBuffer commands, std::uint32_t first, std::uint32_t count) const noexcept;
   void recordJudgementReadback(VkCommandBuffer commands) const noexcept;
 
   /// What was read back last.

@@ -21,14 +21,15 @@ class ComputeMover final : public Mover {
     CycleCounts counts;
     pass_.upload(device_, at);
     const std::uint32_t classes = pass_.classCount(), together = input_.options.guard ? 1 : classes;
+    const std::vector<std::uint32_t>& first = input_.mesh.colours.first;
     for (std::uint32_t member = 0; member < at.size(); ++member)
       for (std::uint32_t c = 0; c < classes; c += together) {
         submission_.run([&](VkCommandBuffer commands) {
           for (std::uint32_t k = c; k < c + together; ++k)
             pass_.recordMove(commands, {member, k, request.radius, request.seed});
-          pass_.buffers().recordReadback(commands);
+          pass_.buffers().recordOutcomeReadback(commands, pass_.firstOutcome(member) + first[c],
+                                                first[c + together] - first[c]);
         });
-        const std::vector<std::uint32_t>& first = input_.mesh.colours.first;
         take(first[c], first[c + together], member, at, counts);
         keepGoing();
       }
@@ -55,7 +56,7 @@ class ComputeMover final : public Mover {
       counts.pixels += std::uint64_t(outcome.pixels);
       if (outcome.offset == glm::ivec2(0)) continue;
       moved.push_back({point, at[member][point]});
-      at[member][point] = pass_.buffers().positions()[member * input_.mesh.pointCount() + point];
+      at[member][point] += outcome.offset;
     }
     const std::size_t refused = counts.refused;
     askGuard(input_.options.guard, moved, member, at, counts);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "optimise/mover.h"
-#include "optimise/workers.h"
+#include "optimise/processor.h"
 #include "shared/alignment.h"
 
 namespace ibr {
@@ -17,51 +16,19 @@ struct Candidate {
   shader::EccScore score{};
 };
 
-struct Pick {
-  glm::ivec2 offset{0};
-  std::uint64_t mutations = 0, pixels = 0;
-};
-
 class CpuMover final : public Mover {
  public:
   explicit CpuMover(const MoverInput& input) : input_(input), judgeInput_{input.mesh, input.pictures} {}
 
   CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
-    CycleCounts counts;
-    for (std::size_t member = 0; member < at.size(); ++member)
-      for (std::size_t c = 0; c + 1 < input_.mesh.colours.first.size(); ++c) {
-        moveClass(input_.mesh.colours[c], member, request, at, counts);
-        keepGoing();
-      }
-    return counts;
+    return cycleOnProcessor(input_, at, keepGoing, [&](std::uint32_t point, std::size_t member, const Positions& now) {
+      return best(point, member, request, now);
+    });
   }
 
-  std::vector<Judgement> judgeAll(const Positions& at) override {
-    const std::size_t n = input_.mesh.pointCount();
-    std::vector<Judgement> all(at.size() * n);
-    forEachInParallel(all.size(), input_.options.threads, [&](std::size_t i) {
-      all[i] = judge(judgeInput_, at, std::uint32_t(i % n), i / n, glm::ivec2(0));
-    });
-    return all;
-  }
+  std::vector<Judgement> judgeAll(const Positions& at) override { return judgeAllOnProcessor(input_, at); }
 
  private:
-  void moveClass(std::span<const std::uint32_t> points, std::size_t member, const CycleRequest& request, Positions& at,
-                 CycleCounts& counts) {
-    std::vector<Pick> picks(points.size());
-    forEachInParallel(points.size(), input_.options.threads,
-                      [&](std::size_t i) { picks[i] = best(points[i], member, request, at); });
-    std::vector<Moved> moved;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      counts.mutations += picks[i].mutations;
-      counts.pixels += picks[i].pixels;
-      if (picks[i].offset == glm::ivec2(0)) continue;
-      moved.push_back({points[i], at[member][points[i]]});
-      at[member][points[i]] += picks[i].offset;
-    }
-    askGuard(input_.options.guard, moved, member, at, counts);
-  }
-
   Pick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
     Pick pick;
     const AlignmentOptions& options = input_.options;

@@ -56,7 +56,7 @@ void EccPass::recordJudge(VkCommandBuffer commands) const noexcept {
 }
 
 void EccPass::recordReadback(VkCommandBuffer commands) const noexcept {
-  state_->pass.buffers().recordReadback(commands);
+  state_->pass.buffers().recordPositionReadback(commands);
   state_->pass.buffers().recordJudgementReadback(commands);
 }
 

@@ -14,17 +14,14 @@
 #include "base/check.h"
 #include "optimise/blurred.h"
 #include "optimise/ecc_step.h"
-#include "optimise/mover.h"
-#include "optimise/workers.h"
+#include "optimise/processor.h"
 
 namespace ibr {
 namespace {
 
 constexpr std::array<double, 3> kFractions{1, 0.5, 0.25};  // of a step
 
-struct Pick {
-  glm::ivec2 offset{0};
-  std::uint64_t mutations = 0, pixels = 0;
+struct ScoredPick : Pick {
   shader::EccScore score{};  // there
 };
 
@@ -55,41 +52,14 @@ class GradientMover final : public Mover {
 
   CycleCounts cycle(const CycleRequest& request, Positions& at, const KeepGoing& keepGoing) override {
     level_ = level_ < 0 ? input_.options.levels - 1 : std::max(level_ - 1, 0);
-    CycleCounts counts;
-    for (std::size_t member = 0; member < at.size(); ++member)
-      for (std::size_t c = 0; c + 1 < input_.mesh.colours.first.size(); ++c) {
-        moveClass(input_.mesh.colours[c], member, request, at, counts);
-        keepGoing();
-      }
-    return counts;
+    return cycleOnProcessor(input_, at, keepGoing, [&](std::uint32_t point, std::size_t member, const Positions& now) {
+      return Pick(best(point, member, request, now));
+    });
   }
 
-  std::vector<Judgement> judgeAll(const Positions& at) override {
-    const std::size_t n = input_.mesh.pointCount();
-    std::vector<Judgement> all(at.size() * n);
-    forEachInParallel(all.size(), input_.options.threads, [&](std::size_t i) {
-      all[i] = judge(judgeInputs_[0], at, std::uint32_t(i % n), i / n, glm::ivec2(0));
-    });
-    return all;
-  }
+  std::vector<Judgement> judgeAll(const Positions& at) override { return judgeAllOnProcessor(input_, at); }
 
  private:
-  void moveClass(std::span<const std::uint32_t> points, std::size_t member, const CycleRequest& request, Positions& at,
-                 CycleCounts& counts) {
-    std::vector<Pick> picks(points.size());
-    forEachInParallel(points.size(), input_.options.threads,
-                      [&](std::size_t i) { picks[i] = best(points[i], member, request, at); });
-    std::vector<Moved> moved;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      counts.mutations += picks[i].mutations;
-      counts.pixels += picks[i].pixels;
-      if (picks[i].offset == glm::ivec2(0)) continue;
-      moved.push_back({points[i], at[member][points[i]]});
-      at[member][points[i]] += picks[i].offset;
-    }
-    askGuard(input_.options.guard, moved, member, at, counts);
-  }
-
   // A point in one picture, and what it may do there.
   struct Place {
     std::uint32_t point;
@@ -99,8 +69,8 @@ class GradientMover final : public Mover {
     DisplacementPrior prior;
   };
 
-  Pick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
-    Pick pick;
+  ScoredPick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
+    ScoredPick pick;
     const Place place{point, member, at, reachOf(input_.mesh, at, point, member, request.radius),
                       priorOf(point, member)};
     if (place.reach == 0) return pick;
@@ -115,7 +85,7 @@ class GradientMover final : public Mover {
   }
 
   // The candidate becomes the pick if it is better: a higher ECC, what its way costs taken off.
-  bool take(const Place& place, glm::ivec2 offset, Pick& pick) const {
+  bool take(const Place& place, glm::ivec2 offset, ScoredPick& pick) const {
     if (offset == pick.offset || !fits(input_.mesh, place.at, place.point, place.member, offset)) return false;
     const shader::EccScore score = scoreAt(place, offset, pick);
     if (!shader::eccWins(score, pick.score)) return false;
@@ -144,7 +114,7 @@ class GradientMover final : public Mover {
 
   RowChoice rows() const { return {1 << level_, 0}; }
 
-  shader::EccScore scoreAt(const Place& place, glm::ivec2 offset, Pick& pick) const {
+  shader::EccScore scoreAt(const Place& place, glm::ivec2 offset, ScoredPick& pick) const {
     const Judgement judgement =
         judge(judgeInputs_[std::size_t(level_)], place.at, place.point, place.member, offset, rows());
     ++pick.mutations;

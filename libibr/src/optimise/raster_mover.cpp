@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Method `raster`, the paper's ([T] §3.6–3.7): a point after another, its star drawn once a candidate as instances,
-// every fragment adding to its candidate's sums, a second pass that picks the winner, the new position read back.
+// every fragment adding to its candidate's sums, a second pass that picks the winner, its offset read back.
 //
-// Departures: the device hands back the position instead of the winner's number (NUMERICS T7); a draw's area is that of
-// the star, which spares the paper's way what it would not need.
+// Departures: the device hands back how far the point has moved instead of the winner's number (NUMERICS T7); a draw's
+// area is that of the star, which spares the paper's way what it would not need.
 #include <algorithm>
 #include <vector>
 
@@ -15,7 +15,7 @@
 #include "gpu/submit.h"
 #include "gpu/upload.h"
 #include "optimise/alignment_buffers.h"
-#include "optimise/mover.h"
+#include "optimise/processor.h"
 #include "shaders/ecc_pick_comp.h"
 #include "shaders/ecc_raster_frag.h"
 #include "shaders/ecc_raster_vert.h"
@@ -46,8 +46,7 @@ class RasterMover final : public Mover {
       : input_(input),
         device_(device),
         buffers_(device, input.mesh, input.pictures, input.alignment.position),
-        submission_(device),
-        judge_(cpuMover(input)) {
+        submission_(device) {
     check(device.countsTogether64Bits(), ErrorCode::unsupported,
           "{}: fragments cannot add to sums of 64 bits; align by compute or on the processor", device.name());
     definition_ = input.options.definition == EccDefinition::channels ? shader::kEccChannels : shader::kEccConcatenated;
@@ -72,7 +71,8 @@ class RasterMover final : public Mover {
     return counts;
   }
 
-  std::vector<Judgement> judgeAll(const Positions& at) override { return judge_->judgeAll(at); }
+  /// Exact, as for all methods.
+  std::vector<Judgement> judgeAll(const Positions& at) override { return judgeAllOnProcessor(input_, at); }
 
  private:
   void makePictures() {
@@ -144,7 +144,7 @@ class RasterMover final : public Mover {
     counts.pixels += std::uint64_t(outcome.pixels);
     if (outcome.offset == glm::ivec2(0)) return;
     const Moved moved{point, at[member][point]};
-    at[member][point] = buffers_.positions()[member * input_.mesh.pointCount() + point];
+    at[member][point] += outcome.offset;
     const std::size_t refused = counts.refused;
     askGuard(input_.options.guard, {&moved, 1}, member, at, counts);
     if (counts.refused != refused) buffers_.upload(device_, at);
@@ -161,7 +161,7 @@ class RasterMover final : public Mover {
     bufferBarrier(commands, kFragmentAdd, use::kComputeReadWrite);
     bind(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pick_.get(), step);
     vkCmdDispatch(commands, 1, 1, 1);
-    buffers_.recordReadback(commands);
+    buffers_.recordOutcomeReadback(commands, 0, 1);
   }
 
   void recordDraw(VkCommandBuffer commands, const shader::AlignmentStep& step, VkRect2D area) const noexcept {
@@ -201,7 +201,6 @@ class RasterMover final : public Mover {
   const Device& device_;
   AlignmentBuffers buffers_;
   Submission submission_;
-  std::unique_ptr<Mover> judge_;  // exact, as for all methods
   std::uint32_t definition_ = 0;
   Buffer sums_;
   SamplerHandle sampler_;
