@@ -121,6 +121,14 @@ TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh sta
   CHECK(again.bestCycle == 0);
 }
 
+TEST_CASE("the first cycle never ends the loop, however little is enough") {
+  auto planted = test::planted(2, 64, 3, 2.0, 13);
+  AlignmentOptions options;
+  options.method = AlignmentMethod::cpu;
+  options.threshold = 100;  // no gain reaches it
+  CHECK(align(planted.alignment, options).cycles.size() == 2);
+}
+
 TEST_CASE("options out of range and a stop are told, and leave the alignment alone") {
   auto planted = test::planted(2, 64, 3, 1.0, 12);
   const auto before = planted.alignment.position;
