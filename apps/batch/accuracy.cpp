@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "author/shared_file.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/command.h"
@@ -29,6 +30,8 @@ struct Options {
   std::string scene, truth;
   double unit = 0.01;
   bool cells = false;
+  std::string exact;
+  ExactMatchOptions matches;
 };
 
 std::vector<DepthView> depthViews(const Options& options, const Context& context) {
@@ -79,9 +82,25 @@ Json figuresJson(const MatchAccuracy& accuracy) {
   return json;
 }
 
+void writeExact(Scene scene, std::span<const DepthView> truth, const Options& options, const Context& context) {
+  std::error_code ignored;
+  check(!fs::equivalent(scene.folder, options.exact, ignored), ErrorCode::invalidInput,
+        "{}: the scene would overwrite itself; name another folder", options.exact);
+  ExactMatchOptions matches = options.matches;
+  matches.seed = context.options().seed;
+  std::size_t moved = 0;
+  {
+    ProgressLine progress(context);
+    moved = setExactMatches(scene, truth, matches, context.options().threads, progress.callback());
+  }
+  shareScene(scene, options.exact);
+  context.print("{}: {} points at their exact matches\n", options.exact, moved);
+}
+
 ExitCode measure(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const std::vector<DepthView> truth = depthViews(options, context);
+  if (!options.exact.empty()) writeExact(scene, truth, options, context);
   std::vector<MatchAccuracy> cells;
   {
     ProgressLine progress(context);
@@ -128,14 +147,19 @@ const Command kAccuracyCommand{
     .summary = "Compares matches and labels of a scene's cells with exact depth",
     .examples =
         "ibr accuracy scene --truth held-out\n"
-        "ibr accuracy scene --truth held-out --depth-unit 0.001 --cells --json accuracy.json",
+        "ibr accuracy scene --truth held-out --depth-unit 0.001 --cells --json accuracy.json\n"
+        "ibr accuracy scene --truth held-out --exact perfect\n"
+        "ibr accuracy scene --truth held-out --exact disturbed --noise 2",
     .details =
         "DIR has images/, a COLMAP model in sparse/, and in depth/ a PNG of 16 bits for each view: depth along the "
         "axis "
         "at pixel centres, 0 for the sky. Errors are those of tier-0 vertices, in px of the stored photographs, the "
         "worst member's; kept is the share under tier 0 of what all members see. A triangle is right where 80 % of it "
         "is within 1.5 px and seen by all: precision is the share of tier 0 that is right, recall the share of right "
-        "triangles that are in tier 0. Sigma is the uncertainty that a vertex states of its inverse distance.",
+        "triangles that are in tier 0. Sigma is the uncertainty that a vertex states of its inverse distance. --exact "
+        "writes the scene with exact matches where they are within 4 px: what its pictures lose to wrong matches is "
+        "what "
+        "they then gain. With --noise it is one in which an optimiser has something to do.",
     .afterInterrupt = "Nothing was reported; run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -144,6 +168,12 @@ const Command kAccuracyCommand{
       addDouble(app, "--depth-unit", options->unit, 1e-9, 1e9,
                 "World units that one step of a depth picture stands for");
       app.add_flag("--cells", options->cells, "A line for each cell, too");
+      CLI::Option* exact =
+          app.add_option("--exact", options->exact, "Folder for the same scene with exact matches; made where missing")
+              ->type_name("DIR");
+      addDouble(app, "--noise", options->matches.noisePx, 0, 64,
+                "Exact matches are then off by up to so many px in each coordinate, evenly")
+          ->needs(exact);
       return [options](const Context& context) { return measure(*options, context); };
     }};
 

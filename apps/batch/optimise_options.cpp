@@ -52,6 +52,11 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
                            "[channels]");
   addDouble(app, "--rigidity", options.rigidity, 0, 10000,
             "What a match that goes a pixel from where it began must explain, grey^2 a sample and channel");
+  addDouble(app, "--epipolar", options.epipolarWeight, 0, 10000,
+            "gradient: the same for each pixel off the line on which exact poses would have the match");
+  addInt(app, "--levels", options.levels, 1, 8,
+         "gradient: blurred pictures that are aligned before the photographs, and these");
+  addInt(app, "--escape", options.escape, 0, 256, "gradient: candidates at random before a step is computed");
   app.add_flag("--flip-edges", options.flipEdges,
                "Join points anew where their photographs then agree better; not in cells of panoramas");
   addDouble(app, "--flip-gain", options.flipGain, 0, 1,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// How right the matches and labels of a scene's cells are, where exact depth of the place is known. Needs ibr::author.
+// How right the matches and labels of a scene's cells are, where exact depth of the place is known, and what exact
+// matches would be. Needs ibr::author.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -39,5 +41,18 @@ struct MatchAccuracy {
 /// pinhole or its depth has another size, Error{cancelled} where `progress` says so. 0 threads: all cores.
 std::vector<MatchAccuracy> matchAccuracy(const Scene& scene, std::span<const DepthView> truth, int threads = 0,
                                          const ProgressCallback& progress = {});
+
+struct ExactMatchOptions {
+  double withinPx = 4;     // points of tier 0 whose worst match is further off stay: they are on another surface
+  double noisePx = 0;      // afterwards each coordinate, but in the first member, is off by up to so much, evenly
+  std::uint64_t seed = 1;  // of the noise; same scene, truth and options: same result
+};
+
+/// Puts points of tier 0 where the surface that the first member sees there is in all members, with its ρ and a_i: a
+/// scene that shows what is lost because matches are wrong, or, with noise, what an optimiser of matches wins back. A
+/// point stays where a triangle would turn over in a member, or a member's picture would be left; so does all else.
+/// Gives the number of points that moved. Throws as matchAccuracy(); then the scene is as it was.
+std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
+                            int threads = 0, const ProgressCallback& progress = {});
 
 }  // namespace ibr

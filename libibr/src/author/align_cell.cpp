@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "author/alignment_grid.h"
+#include "author/epipolar_direction.h"
 #include "author/label.h"
 #include "author/mean_frame.h"
 #include "author/mesh_signs.h"
@@ -30,6 +31,16 @@ std::vector<glm::ivec2> sizesOf(std::span<const MatchView> views) {
 // Of a judged triangle: whether it is positive as the mesh has it, and not the other way round.
 bool isUpright(const MorphMesh& mesh, const glm::uvec3& t) {
   return (meshSigns(mesh.match, t) & 1u) != 0;
+}
+
+// As seen from the frame's centre.
+std::vector<std::vector<glm::vec2>> epipolarDirections(std::span<const MatchView> views, const Match& match,
+                                                       glm::dvec3 centre) {
+  std::vector<std::vector<glm::vec2>> directions(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    for (const glm::vec2 at : match[i])
+      directions[i].emplace_back(epipolarDirection(views[i].camera, centre, glm::dvec2(at)));
+  return directions;
 }
 
 // Points that may move tell what their face was matched with.
@@ -78,6 +89,7 @@ PictureAlignment::PictureAlignment(std::span<const MatchView> views, const Morph
       grid_(ontoGrid(mesh, sizesOf(views), fixed)),
       ranges_(frame, matched_.cameras(), mesh, matched_.match(mesh.match), widened, usedOf(fixed)) {
   for (const MatchView& view : views) grid_.alignment.pictures.push_back(&view.picture);
+  grid_.alignment.epipolar = epipolarDirections(views, mesh.match, frame.pose.position);
 }
 
 Match PictureAlignment::run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress) {

@@ -149,6 +149,9 @@ std::string settingsWith(const std::string& settings, const OptimiseCellsOptions
                        {"decay", a.decay},
                        {"threshold", a.threshold},
                        {"rigidity", a.rigidity},
+                       {"epipolar", a.epipolarWeight},
+                       {"levels", a.levels},
+                       {"escape", a.escape},
                        {"flipEdges", a.flipEdges},
                        {"flipGain", a.flipGain},
                        {"prune", a.prune},
@@ -201,10 +204,7 @@ OptimiseSceneReport optimiseScene(const OptimiseSceneOptions& options, const Ali
   OptimiseCellsOptions cells = options.cells;
   if (cells.finished.empty()) cells.finished = options.output / ".optimise";
   OptimiseSceneReport report = optimiseCells(scene, cells, aligner, progress, log);
-  for (const Node& node : scene.nodes)
-    for (const fs::path& file : {node.imageFile, node.textureFile})
-      if (!file.empty()) shareFile(pathInside(scene.folder, file), options.output / file);
-  saveScene(scene, options.output);
+  shareScene(scene, options.output);
   if (options.cells.finished.empty()) removeKept(cells.finished);
   report.seconds = watch.seconds();
   return report;

@@ -21,4 +21,11 @@ void shareFile(const fs::path& from, const fs::path& to) {
   check(!error, ErrorCode::io, "{}: {}", to.string(), error.message());
 }
 
+void shareScene(const Scene& scene, const fs::path& folder) {
+  for (const Node& node : scene.nodes)
+    for (const fs::path& file : {node.imageFile, node.textureFile})
+      if (!file.empty()) shareFile(pathInside(scene.folder, file), folder / file);
+  saveScene(scene, folder);
+}
+
 }  // namespace ibr

@@ -134,3 +134,74 @@ TEST_CASE("depth that does not fit its view is refused") {
   views[1].camera.intrinsics = {CameraModel::equirectangular, 10, 10};
   CHECK_THROWS_AS(matchAccuracy(made.scene, views), Error);
 }
+
+TEST_CASE("exact matches are put back where they were") {
+  SyntheticScene made = wallAndBoard(3);
+  const auto truth = depthAround(made);
+  const MorphMesh exact = made.scene.cells[0].mesh;
+  MorphMesh& mesh = made.scene.cells[0].mesh;
+  for (std::size_t p = 0; p < mesh.pointCount(); p += 3) {
+    mesh.match[1][p] += glm::vec2(0.5, -0.25);
+    mesh.ratio[0][p] *= 1.1f;
+    mesh.inverseDistance[p] *= 0.9f;
+  }
+  const MorphMesh disturbed = mesh;
+  const std::size_t moved = setExactMatches(made.scene, truth, {});
+  CHECK(moved > exact.pointCount() / 2);
+  CHECK(largest(matchAccuracy(made.scene, truth)[0].vertexError) < 0.75);
+  std::size_t right = 0;
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+    CHECK(glm::distance(mesh.match[0][p], exact.match[0][p]) < 0.01f);
+    if (glm::distance(mesh.match[1][p], exact.match[1][p]) > 0.02f) continue;
+    if (mesh.ratio[0][p] != Approx(exact.ratio[0][p]).epsilon(1e-3)) continue;
+    right += mesh.inverseDistance[p] == Approx(exact.inverseDistance[p]).epsilon(1e-3);
+  }
+  CHECK(right >= moved);
+  CHECK(mesh.triangles == disturbed.triangles);
+  CHECK(mesh.uncertainty == disturbed.uncertainty);
+}
+
+TEST_CASE("what is another surface stays") {
+  SyntheticScene made = wallAndBoard(3);
+  MorphMesh& mesh = made.scene.cells[0].mesh;
+  for (glm::vec2& at : mesh.match[2]) at.x += 5;
+  const MorphMesh before = mesh;
+  CHECK(setExactMatches(made.scene, depthAround(made), {}) == 0);
+  CHECK(mesh.match == before.match);
+  CHECK(setExactMatches(made.scene, depthAround(made), {.withinPx = 6}) > 100);
+}
+
+TEST_CASE("noise on exact matches is even, the seed's own, and turns nothing over") {
+  const SyntheticScene made = wallAndBoard(3);
+  const auto truth = depthAround(made);
+  const auto disturbed = [&](double noisePx, std::uint64_t seed, int threads) {
+    Scene scene = made.scene;
+    setExactMatches(scene, truth, {.noisePx = noisePx, .seed = seed}, threads);
+    return scene;
+  };
+  const Scene scene = disturbed(3, 1, 1);
+  const MorphMesh &mesh = scene.cells[0].mesh, &exact = made.scene.cells[0].mesh;
+  double sum = 0, squares = 0, count = 0;
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p)
+    for (const float off : {mesh.match[1][p].x - exact.match[1][p].x, mesh.match[2][p].y - exact.match[2][p].y}) {
+      CHECK(std::abs(off) < 3.02f);
+      if (off == 0) continue;
+      sum += off, squares += off * off, ++count;
+    }
+  REQUIRE(count > 400);
+  CHECK(std::abs(sum / count) < 0.2);
+  CHECK(std::sqrt(squares / count) == Approx(std::sqrt(3.0)).epsilon(0.1));  // 3 px/√3
+  CHECK(matchAccuracy(scene, truth)[0].folded == 0);
+  CHECK(disturbed(3, 1, 2).cells[0].mesh.match == mesh.match);
+  CHECK(disturbed(3, 2, 1).cells[0].mesh.match != mesh.match);
+  CHECK(disturbed(20, 1, 1).cells[0].mesh.match[1] != mesh.match[1]);
+  CHECK(matchAccuracy(disturbed(20, 1, 1), truth)[0].folded == 0);
+}
+
+TEST_CASE("settings of exact matches are checked") {
+  Scene scene = wallAndBoard(2).scene;
+  const auto truth = depthAround(wallAndBoard(2));
+  for (const ExactMatchOptions& wrong :
+       {ExactMatchOptions{.withinPx = 0}, {.withinPx = NAN}, {.noisePx = -1}, {.noisePx = 65}, {.noisePx = NAN}})
+    CHECK_THROWS_AS(setExactMatches(scene, truth, wrong), Error);
+}

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "author/alignment_grid.h"
+#include "author/epipolar_direction.h"
 #include "author/mean_frame.h"
 #include "author/mesh_signs.h"
 #include "author/range_again.h"
@@ -558,4 +559,28 @@ TEST_CASE("the prior of the sweep is found again: points that did not move get t
     const std::vector<glm::dvec2> pixels{match[0][p], match[1][p], match[2][p]};
     CHECK(solver.solve(p, pixels).inverseDistance == solver.before(p).inverseDistance);
   }
+}
+
+TEST_CASE("the optimiser is told along which lines matches may slide") {
+  Wall built;
+  const Scene& scene = built.scene;
+  std::size_t asked = 0;
+  const Aligner look = [&](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+    const Cell& cell = scene.cells[asked++];
+    glm::dvec3 centre(0);
+    for (const std::uint32_t n : cell.members)
+      centre += scene.nodes[n].camera.pose.position / double(cell.members.size());
+    REQUIRE(a.epipolar.size() == cell.members.size());
+    for (std::size_t i = 0; i < a.epipolar.size(); ++i) {
+      REQUIRE(a.epipolar[i].size() == cell.mesh.pointCount());
+      for (std::size_t p = 0; p < cell.mesh.pointCount(); p += 7) {
+        const glm::dvec2 expected =
+            epipolarDirection(scene.nodes[cell.members[i]].camera, centre, glm::dvec2(cell.mesh.match[i][p]));
+        CHECK(glm::distance(glm::dvec2(a.epipolar[i][p]), expected) < 1e-4);
+      }
+    }
+    return summaryOf(a);
+  };
+  optimiseScene(built.options(), look);
+  CHECK(asked == scene.cells.size());
 }
