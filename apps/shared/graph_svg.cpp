@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "shared/graph_view.h"
+#include "shared/svg_text.h"
 
 namespace ibr::app {
 namespace {
@@ -22,20 +23,6 @@ constexpr double kWidth = 900, kLeastHeight = 240, kMostHeight = 900;
 constexpr double kMargin = 60, kLegend = 380, kLine = 16, kScaleBar = 160;
 constexpr std::size_t kLetters = 56;  // of a line of the legend
 constexpr std::size_t kMostListed = 40;
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
-  return out;
-}
 
 // A walk through the colours of viridis (Smith & van der Walt 2015), without its bright end, which is lost on white.
 std::string colourOf(double share) {
@@ -47,25 +34,6 @@ std::string colourOf(double share) {
   for (std::size_t c = 0; c < 3; ++c)
     rgb[c] = int(std::lround(kStops[low][c] + (at - double(low)) * (kStops[low + 1][c] - kStops[low][c])));
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
-}
-
-// At spaces, into lines of so many letters (bytes that begin one); longer words stand alone.
-std::vector<std::string> wrapped(const std::string& text, std::size_t letters) {
-  const auto count = [](const std::string& s) {
-    return std::size_t(std::ranges::count_if(s, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-  };
-  std::vector<std::string> lines{""};
-  std::string word;
-  for (const char c : text + ' ') {
-    if (c != ' ') {
-      word += c;
-      continue;
-    }
-    if (!lines.back().empty() && count(lines.back()) + 1 + count(word) > letters) lines.emplace_back();
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-    word.clear();
-  }
-  return lines;
 }
 
 class Drawing {
@@ -154,7 +122,7 @@ class Drawing {
     }
     const std::string colour = colourOf(share(cell.quality.score));
     put("<g stroke=\"{0}\" fill=\"{0}\" stroke-linejoin=\"round\"><title>{1}{2}</title>", colour,
-        escaped(names), std::isnan(cell.quality.score) ? "" : fmt::format(", score {:.3f}", cell.quality.score));
+        escapedXml(names), std::isnan(cell.quality.score) ? "" : fmt::format(", score {:.3f}", cell.quality.score));
     if (corners.size() == 2) {
       put("<polyline points=\"{}\" stroke-width=\"4\" stroke-opacity=\".55\" fill=\"none\"/>", points(corners));
     } else if (corners.size() == 3) {
@@ -173,8 +141,8 @@ class Drawing {
     const Node& node = scene_.nodes[n];
     const Intrinsics& k = node.camera.intrinsics;
     const glm::dvec2 centre = at(node.camera.pose.position);
-    std::string title = escaped(node.name);
-    if (const auto why = reason_.find(node.name); why != reason_.end()) title += ": " + escaped(why->second);
+    std::string title = escapedXml(node.name);
+    if (const auto why = reason_.find(node.name); why != reason_.end()) title += ": " + escapedXml(why->second);
     put("<g stroke=\"{0}\" stroke-width=\"{1}\" fill=\"{0}\"><title>{2}</title>", used_[n] ? "#202830" : "#9a9a9a",
         used_[n] ? 1.0 : 1.6, title);
     if (k.model == CameraModel::equirectangular) {
@@ -202,7 +170,7 @@ class Drawing {
   double drawLegend() {
     double y = 30;
     const auto line = [&](const std::string& text, double x, const char* style) {
-      put("<text x=\"{:.0f}\" y=\"{:.0f}\"{}>{}</text>", kWidth + x, y, style, escaped(text));
+      put("<text x=\"{:.0f}\" y=\"{:.0f}\"{}>{}</text>", kWidth + x, y, style, escapedXml(text));
       y += kLine;
     };
     std::array<std::size_t, 5> cells{};

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scatter plots side by side as one drawing (SVG 1.1), for figures that people read.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ibr::app {
+
+struct PlotPoint {
+  double x = 0, y = 0;  // not finite: not drawn; nor is x <= 0 on a logarithmic axis
+  std::string label;    // written beside it where there is room; always told where one points at it
+  bool usual = false;   // the setting that all others are compared with: ringed
+};
+
+struct PlotSeries {
+  std::string name;
+  std::vector<PlotPoint> points;
+};
+
+/// A value of y that stands for all x: a dashed line. Not finite: none.
+struct PlotLevel {
+  std::string name;
+  double y;
+};
+
+struct PlotPanel {
+  std::string title, xName, yName;
+  bool logarithmicX = false;
+  bool joinFront = false;  // of each series the points that no other one beats: less of x, more of y
+  std::vector<PlotSeries> series;
+  std::vector<PlotLevel> levels;
+};
+
+/// Panels in a row under `title`, with a legend of the first panel's series, and lines of text below. A series has the
+/// same colour (safe for colour-blind eyes) and marker in all panels, by its place; there are six of each. Valid XML
+/// whatever the texts are; of any panels, empty ones too.
+std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& panels,
+                    const std::vector<std::string>& notes);
+
+}  // namespace ibr::app
