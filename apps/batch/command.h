@@ -35,6 +35,7 @@ struct Command {
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
-    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand, kOptimiseCommand;
+    kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand, kOptimiseCommand,
+    kSweepCommand;
 
 }  // namespace ibr::app

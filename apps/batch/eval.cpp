@@ -54,16 +54,10 @@ ExitCode evaluate(const Options& options, const Context& context) {
 }
 
 // Options that were given, with their values, but for those that change no score.
-std::vector<std::string> wordsThatCount(CLI::App& app) {
+std::vector<std::string> wordsThatCount(const CLI::App& app) {
   static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views", "--work",  "--output",
                                                "--json",          "--quiet", "--verbose", "--threads"};
-  std::vector<std::string> words;
-  for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || kNotThese.contains(option->get_name())) continue;
-    words.push_back(option->get_name());
-    for (const std::string& value : option->results()) words.push_back(value);
-  }
-  return words;
+  return givenWords(app, kNotThese);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "author/hash.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/file_hash.h"
 #include "batch/poses.h"
 #include "batch/progress.h"
 #include "batch/settings.h"
@@ -44,27 +44,11 @@ std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const 
   return chosen;
 }
 
-void addFile(Hash& hash, const fs::path& file) {
-  std::error_code ignored;
-  hash.add(file.string());
-  hash.add(std::uint64_t(fs::file_size(file, ignored)));
-  hash.add(std::int64_t(fs::last_write_time(file, ignored).time_since_epoch().count()));
-}
-
-void addFolder(Hash& hash, const fs::path& folder) {
-  std::vector<fs::path> files;
-  if (!fs::is_directory(folder)) return addFile(hash, folder);
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) addFile(hash, file);
-}
-
 // Of all that scores depend on but for the view: program, files, options.
 std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build, const PosedPhotographs& photographs,
                     const Context& context) {
   Hash hash;
-  addFile(hash, fs::read_symlink("/proc/self/exe"));
+  addProgram(hash);
   for (const PosedImage& image : photographs.images()) addFile(hash, fs::path(options.photographs) / image.name);
   if (!build.model.empty()) addFolder(hash, build.model);
   for (const std::string& word : options.words) {

@@ -20,6 +20,7 @@ namespace {
 constexpr std::array kCommands{
     &kBuildCommand,
     &kOptimiseCommand,
+    &kSweepCommand,
     &kInfoCommand,
     &kValidateCommand,
     &kRenderCommand,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "batch/cell_figures.h"
 #include "batch/command.h"
 #include "batch/optimise_options.h"
 #include "batch/optimise_pictures.h"
@@ -22,30 +22,6 @@ struct Options {
   std::string input, output, pictures;
 };
 
-// Figures of a cell that have a mean.
-using Figure = std::pair<const char*, double (*)(const OptimisedCell&)>;
-constexpr Figure kFigures[] = {
-    {"points", [](const OptimisedCell& c) { return double(c.points); }},
-    {"images", [](const OptimisedCell& c) { return double(c.members.size()); }},
-    {"initialEcc", [](const OptimisedCell& c) { return c.summary.initialEcc; }},
-    {"finalEcc", [](const OptimisedCell& c) { return c.summary.finalEcc; }},
-    {"initialEccPaper", [](const OptimisedCell& c) { return c.summary.initialEccPaper; }},
-    {"finalEccPaper", [](const OptimisedCell& c) { return c.summary.finalEccPaper; }},
-    {"seconds", [](const OptimisedCell& c) { return c.seconds; }},
-};
-
-// Over the cells that have the figure.
-double meanOf(const OptimiseSceneReport& report, const Figure& figure) {
-  double sum = 0, count = 0;
-  for (const OptimisedCell& cell : report.cells) {
-    const double value = figure.second(cell);
-    if (std::isnan(value)) continue;
-    sum += value;
-    ++count;
-  }
-  return count > 0 ? sum / count : std::nan("");
-}
-
 // The columns of [T] table 4, with ECC both ways.
 void printTable(const OptimiseSceneReport& report, const Context& context) {
   Table table;
@@ -60,8 +36,8 @@ void printTable(const OptimiseSceneReport& report, const Context& context) {
   for (const OptimisedCell& cell : report.cells)
     row(fmt::format("{}", cell.cell), fmt::format("{}x{}", cell.width, cell.height),
         cell.resumed ? "kept" : fmt::format("{}", cell.summary.cycles.size()),
-        [&](std::size_t f) { return kFigures[f].second(cell); });
-  if (report.cells.size() > 1) row("mean", "", "", [&](std::size_t f) { return meanOf(report, kFigures[f]); });
+        [&](std::size_t f) { return kCellFigures[f].second(cell); });
+  if (report.cells.size() > 1) row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
   context.print("{}\n", table.text());
 }
 
@@ -70,15 +46,10 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
   Json json{{"cells", Json::array()}, {"mean", Json::object()}};
   for (const OptimisedCell& cell : report.cells) {
     Json line{{"cell", cell.cell}};
-    for (const auto& [name, value] : kFigures) line[name] = value(cell);
+    for (const auto& [name, value] : kCellFigures) line[name] = value(cell);
     line["points"] = cell.points;
     line["images"] = cell.members.size();
-    std::uint64_t mutations = 0, pixels = 0, refused = 0;
-    for (const AlignmentCycle& cycle : cell.summary.cycles) {
-      mutations += cycle.mutations;
-      pixels += cycle.pixels;
-      refused += cycle.refused;
-    }
+    const AlignmentCycle all = sumOf(cell.summary.cycles);
     line.update({{"members", cell.members},
                  {"resolution", {cell.width, cell.height}},
                  {"triangles", cell.judged},
@@ -88,13 +59,13 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                  {"takenBack", cell.takenBack},
                  {"cycles", cell.summary.cycles.size()},
                  {"bestCycle", cell.summary.bestCycle},
-                 {"mutations", mutations},
-                 {"pixels", pixels},
-                 {"refused", refused},
+                 {"mutations", all.mutations},
+                 {"pixels", all.pixels},
+                 {"refused", all.refused},
                  {"resumed", cell.resumed}});
     json["cells"].push_back(line);
   }
-  for (const Figure& figure : kFigures) json["mean"][figure.first] = meanOf(report, figure);
+  for (const auto& [name, value] : kCellFigures) json["mean"][name] = meanOf(report, value);
   json.update({{"scene", options.input},
                {"output", options.output},
                {"method", wordOf(alignment.method)},
@@ -167,14 +138,8 @@ const Command kOptimiseCommand{
           ->required()
           ->type_name("SCENE2");
       declareAlignment(app, options->scene.cells.alignment);
-      app.add_option_function<std::vector<std::string>>(
-             "--cells-only",
-             [options](const std::vector<std::string>& numbers) {
-               for (const std::string& text : numbers)
-                 options->scene.cells.cells.push_back(std::size_t(parsedInt("--cells-only", text, 0, 1000000)));
-             },
-             "Optimise these cells, by number, and leave the others as they are")
-          ->type_name("N...");
+      declareCellsOnly(app, options->scene.cells.cells,
+                       "Optimise these cells, by number, and leave the others as they are");
       app.add_option("--pictures", options->pictures, "Folder for pictures of each cell before and after")
           ->type_name("DIR");
       return [options](const Context& context) { return optimise(*options, context); };

@@ -43,14 +43,18 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
          "Where candidates are judged: on the processor [cpu], or on the device, all at once or drawn as in the paper; "
          "gradient: computed instead of drawn at random")
       ->type_name("cpu|compute|raster|gradient");
-  addInt(app, "--instances", options.instances, 2, 256, "Candidates of a point, the first where it stands");
-  addDouble(app, "--radius", options.radiusPx, 0.01, 64, "Largest way of a candidate in the first cycle, px");
-  addDouble(app, "--decay", options.decay, 0.01, 1, "Factor on the radius from cycle to cycle");
-  addDouble(app, "--threshold", options.threshold, 0, 1, "Relative gain of a cycle below which it was the last");
+  addInt(app, "--instances", options.instances, kInstancesLimits.first, kInstancesLimits.second,
+         "Candidates of a point, the first where it stands");
+  addDouble(app, "--radius", options.radiusPx, kRadiusLimits.first, kRadiusLimits.second,
+            "Largest way of a candidate in the first cycle, px");
+  addDouble(app, "--decay", options.decay, kDecayLimits.first, kDecayLimits.second,
+            "Factor on the radius from cycle to cycle");
+  addDouble(app, "--threshold", options.threshold, kThresholdLimits.first, kThresholdLimits.second,
+            "Relative gain of a cycle below which it was the last");
   addChoice<EccDefinition>(app, "--definition", options.definition, {kDefinitions.begin(), kDefinitions.end()},
                            "Correlation with a mean for each channel and target, or with one for all as in the paper "
                            "[channels]");
-  addDouble(app, "--rigidity", options.rigidity, 0, 10000,
+  addDouble(app, "--rigidity", options.rigidity, kRigidityLimits.first, kRigidityLimits.second,
             "What a match that goes a pixel from where it began must explain, grey^2 a sample and channel");
   addDouble(app, "--epipolar", options.epipolarWeight, 0, 10000,
             "gradient: the same for each pixel off the line on which exact poses would have the match");
@@ -62,6 +66,17 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   addDouble(app, "--flip-gain", options.flipGain, 0, 1,
             "ECC by which the two triangles beside a flipped edge must rise");
   app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
+}
+
+void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description) {
+  app.add_option_function<std::vector<std::string>>(
+         "--cells-only",
+         [&cells](const std::vector<std::string>& numbers) {
+           for (const std::string& text : numbers)
+             cells.push_back(std::size_t(parsedInt("--cells-only", text, 0, 1000000)));
+         },
+         description)
+      ->type_name("N...");
 }
 
 Aligner makeAligner(AlignmentMethod method, const Context& context) {

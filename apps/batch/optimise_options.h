@@ -4,6 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "batch/context.h"
 #include "ibr/optimise_scene.h"
@@ -12,6 +15,16 @@ namespace ibr::app {
 
 /// All but the seed.
 void declareAlignment(CLI::App& app, AlignmentOptions& options);
+
+/// What the options take.
+inline constexpr std::pair kInstancesLimits{2, 256};
+inline constexpr std::pair kRadiusLimits{0.01, 64.0};
+inline constexpr std::pair kDecayLimits{0.01, 1.0};
+inline constexpr std::pair kThresholdLimits{0.0, 1.0};
+inline constexpr std::pair kRigidityLimits{0.0, 10000.0};
+
+/// --cells-only
+void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description);
 
 /// Words of --method and --definition, also of reports.
 const char* wordOf(AlignmentMethod method);

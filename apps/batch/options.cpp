@@ -39,6 +39,17 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
       ->type_name("X");
 }
 
+std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut) {
+  std::vector<std::string> words;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || leftOut.contains(option->get_name())) continue;
+    if (!option->get_positional()) words.push_back(option->get_name());
+    if (option->get_items_expected_max() == 0) continue;  // a flag
+    for (const std::string& value : option->results()) words.push_back(value);
+  }
+  return words;
+}
+
 std::uint64_t parsedBytes(const std::string& option, const std::string& text) {
   std::string digits = text;
   double unit = 1;

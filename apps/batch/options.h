@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,9 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
 /// A number of bytes, at least 1, with K, M or G for 2^10, 2^20 or 2^30 of them: 1500000, 800M, 1.5G.
 std::uint64_t parsedBytes(const std::string& option, const std::string& text);
 CLI::Option* addBytes(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& description);
+
+/// Options that were given, each with its values, as they would be typed; without those that `leftOut` names.
+std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut = {});
 
 /// WxH, as in 1280x720.
 struct PictureSize {

@@ -19,7 +19,7 @@ namespace {
 // All lengths in px of the drawing.
 constexpr double kWidth = 380, kHeight = 330;  // of a panel's field
 constexpr double kLeft = 88, kRight = 24, kTop = 92, kBottom = 50;
-constexpr double kLine = 18, kLetter = 5.6, kNoteLetter = 7, kLabelHeight = 11, kMarker = 5;
+constexpr double kLine = 18, kLetter = 5.6, kNoteLetter = 7, kLabelHeight = 11, kMarker = 5, kRing = 9;
 
 // Okabe & Ito, "Color universal design", 2008; without yellow, which is lost on white.
 constexpr std::array kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
@@ -53,9 +53,9 @@ std::string marker(std::size_t series, glm::dvec2 at, const std::string& title) 
 
 std::string ring(glm::dvec2 at) {
   return fmt::format(
-      "<circle class=\"usual\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"9\" fill=\"none\" stroke=\"#202830\" "
+      "<circle class=\"usual\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"none\" stroke=\"#202830\" "
       "stroke-width=\"1.6\"/>\n",
-      at.x, at.y);
+      at.x, at.y, kRing);
 }
 
 struct Box {
@@ -157,7 +157,8 @@ class Panel {
     const std::string name = panel_.series[s].name;
     out_ += marker(s, p, fmt::format("{} {}: {:.4g}, {:.4g}", name, point.label, point.x, point.y));
     if (point.usual) out_ += ring(p);
-    taken_.push_back({p - kMarker, p + kMarker});
+    const double reach = point.usual ? kRing : kMarker;
+    taken_.push_back({p - reach, p + reach});
   }
 
   // On the first side that is free; a label for which there is no room is left out.

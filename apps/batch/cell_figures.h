@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Figures of optimised cells and their means, for tables and reports.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "ibr/optimise_scene.h"
+
+namespace ibr::app {
+
+/// Its name in JSON, and its value: NaN where a cell has none.
+using CellFigure = std::pair<const char*, double (*)(const OptimisedCell&)>;
+inline constexpr CellFigure kCellFigures[] = {
+    {"points", [](const OptimisedCell& c) { return double(c.points); }},
+    {"images", [](const OptimisedCell& c) { return double(c.members.size()); }},
+    {"initialEcc", [](const OptimisedCell& c) { return c.summary.initialEcc; }},
+    {"finalEcc", [](const OptimisedCell& c) { return c.summary.finalEcc; }},
+    {"initialEccPaper", [](const OptimisedCell& c) { return c.summary.initialEccPaper; }},
+    {"finalEccPaper", [](const OptimisedCell& c) { return c.summary.finalEccPaper; }},
+    {"seconds", [](const OptimisedCell& c) { return c.seconds; }},
+};
+
+/// Over the cells that have the figure; NaN where none has.
+double meanOf(const OptimiseSceneReport& report, double (*figure)(const OptimisedCell&));
+
+/// Mutations, pixels, points and edges of all cycles together.
+AlignmentCycle sumOf(const std::vector<AlignmentCycle>& cycles);
+
+}  // namespace ibr::app
