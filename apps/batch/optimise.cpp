@@ -55,6 +55,7 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                  {"triangles", cell.judged},
                  {"moved", cell.moved},
                  {"flipped", cell.flipped},
+                 {"inserted", cell.inserted},
                  {"fixed", cell.fixed},
                  {"takenBack", cell.takenBack},
                  {"cycles", cell.summary.cycles.size()},
@@ -80,6 +81,9 @@ std::string reportJson(const OptimiseSceneReport& report, const Options& options
                {"escape", alignment.escape},
                {"flipEdges", alignment.flipEdges},
                {"flipGain", alignment.flipGain},
+               {"insertPoints", alignment.insertPoints},
+               {"insertBelow", alignment.insertBelow},
+               {"insertGain", alignment.insertGain},
                {"prune", alignment.prune},
                {"seed", alignment.seed},
                {"seconds", report.seconds}});
@@ -125,10 +129,12 @@ const Command kOptimiseCommand{
         "ibr build photographs -o scene --optimise",
     .details =
         "Each point tries places around it in each photograph and moves to where the triangles around it correlate "
-        "best half-way between the photographs. No triangle folds over; a move after which the photographs' rays part is "
+        "best half-way between the photographs. No triangle folds over; a move after which the photographs' rays part "
+        "is "
         "refused. The table has the mean correlation (ECC) of all points before and after, with a mean for each "
         "channel and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "
-        "--pictures draws, for each cell, the picture half-way between its photographs under a map of the correlation (hot: bad), "
+        "--pictures draws, for each cell, the picture half-way between its photographs under a map of the correlation "
+        "(hot: bad), "
         "before and after side by side, and the places that changed most.",
     .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

@@ -65,6 +65,11 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
                "Join points anew where their photographs then agree better; not in cells of panoramas");
   addDouble(app, "--flip-gain", options.flipGain, 0, 1,
             "ECC by which the two triangles beside a flipped edge must rise");
+  app.add_flag("--insert-points", options.insertPoints,
+               "Add points where photographs agree badly and then agree better; not in cells of panoramas");
+  addDouble(app, "--insert-below", options.insertBelow, -1, 1, "ECC of a triangle below which it may get a point");
+  addDouble(app, "--insert-gain", options.insertGain, 0, 1,
+            "ECC by which the triangles around an inserted point must rise");
   app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
 }
 

@@ -83,6 +83,20 @@ TEST_CASE("ibr optimise: a better scene, a table, a report and pictures") {
                 .code == 0);
     CHECK_THAT(readTextFile(folder / "small/scene.gltf"), Contains("concatenated"));
   }
+  SECTION("with more points, if it is told to") {
+    const Outcome more = runProgram({"optimise", tinyScene(), "-o", folder / "more", "--insert-points", "--insert-gain",
+                                     "0", "--json", folder / "more.json", "--pictures", folder / "grown"});
+    INFO(more.err);
+    REQUIRE(more.code == 0);
+    const Json grown = Json::parse(readTextFile(folder / "more.json"));
+    CHECK(grown.at("insertPoints") == true);
+    CHECK(grown.at("insertGain") == 0.0);
+    CHECK(report["cells"][0].at("inserted") == 0);
+    const std::size_t inserted = grown["cells"][0].at("inserted");
+    CHECK(loadScene(folder / "more").cells[0].mesh.pointCount() == before.cells[0].mesh.pointCount() + inserted);
+    CHECK(runProgram({"validate", folder / "more"}).code == 0);
+    CHECK(fs::exists(folder / "grown/cell000_heat.png"));
+  }
   SECTION("building with --optimise gives that scene, too") {
     const Outcome built = runProgram({"build", tinySet().photographs, "-o", folder / "built", "--optimise"});
     INFO(built.err);
@@ -161,6 +175,7 @@ TEST_CASE("ibr optimise refuses what makes no sense") {
                                                                                      {"--decay", "1.1"},
                                                                                      {"--decay", "0"},
                                                                                      {"--threshold", "-1"},
+                                                                                     {"--insert-gain", "2"},
                                                                                      {"--definition", "mine"},
                                                                                      {"--cells-only", "-1"},
                                                                                      {"--cells-only"}}) {

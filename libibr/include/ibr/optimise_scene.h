@@ -8,7 +8,9 @@
 //
 // Matches of tier 0 are moved; a point that did not move keeps every number that it had. Of points that moved, ρ, a_i
 // and uncertainty are found again, as building finds them. Tiers, poses, photographs and backdrops stay; triangles do,
-// unless edges are flipped (AlignmentOptions::flipEdges; not in cells of panoramas), which leaves their number.
+// unless edges are flipped (AlignmentOptions::flipEdges; not in cells of panoramas), which leaves their number, or
+// points are inserted (AlignmentOptions::insertPoints; neither), which come after all others, their triangles last of
+// tier 0.
 #pragma once
 
 #include <cstddef>
@@ -45,11 +47,12 @@ struct OptimisedCell {
   std::size_t cell = 0;              // its number
   std::vector<std::string> members;  // names of the photographs
   int width = 0, height = 0;         // px, of the first one
-  std::size_t points = 0;
-  std::size_t judged = 0;   // triangles, of a panorama's cell in the faces of the cube on which it is optimised
-  std::size_t fixed = 0;    // points that must not move: their star does not lie on the grid, or in one face of a cube
-  std::size_t moved = 0;    // points
-  std::size_t flipped = 0;  // triangles that have other corners
+  std::size_t points = 0;            // without those that were inserted
+  std::size_t judged = 0;    // triangles, of a panorama's cell in the faces of the cube on which it is optimised
+  std::size_t fixed = 0;     // points that must not move: their star does not lie on the grid, or in one face of a cube
+  std::size_t moved = 0;     // points
+  std::size_t flipped = 0;   // triangles that have other corners, without those around inserted points
+  std::size_t inserted = 0;  // points
   std::size_t takenBack = 0;  // points that moved and went back, lest a triangle that is not judged turns over
   AlignmentSummary summary;   // ECCs are NaN where no triangle is judged
   double seconds = 0;

@@ -43,6 +43,21 @@ std::vector<std::vector<glm::vec2>> epipolarDirections(std::span<const MatchView
   return directions;
 }
 
+// Planes that all three points lie on.
+glm::u16vec4 sharedPlanes(const std::vector<glm::u16vec4>& planes, const glm::uvec3& points) {
+  glm::u16vec4 shared(0);
+  int count = 0;
+  const auto has = [&](unsigned point, std::uint16_t plane) {
+    const glm::u16vec4& set = planes[point];
+    return set.x == plane || set.y == plane || set.z == plane || set.w == plane;
+  };
+  for (int k = 0; k < 4; ++k) {
+    const std::uint16_t plane = planes[points.x][k];
+    if (plane != 0 && has(points.y, plane) && has(points.z, plane)) shared[count++] = plane;
+  }
+  return shared;
+}
+
 // Points that may move tell what their face was matched with.
 std::vector<std::uint8_t> usedOf(std::vector<std::uint8_t> fixed) {
   for (std::uint8_t& point : fixed) point = !point;
@@ -102,6 +117,12 @@ Match PictureAlignment::run(const AlignmentOptions& options, const Aligner& alig
   return movedMatch(mesh_, start, grid_.alignment.position);
 }
 
+std::vector<glm::dvec2> PictureAlignment::pixelsOf(std::size_t point, const Match& match) const {
+  std::vector<glm::dvec2> pixels;
+  for (std::size_t i = 0; i < match.size(); ++i) pixels.push_back(matched_.pixel(i, match[i][point]));
+  return pixels;
+}
+
 std::vector<glm::uvec3> PictureAlignment::triangles() const {
   std::vector<glm::uvec3> triangles = mesh_.triangles;
   for (std::size_t n = 0; n < grid_.judged.size(); ++n) {
@@ -109,22 +130,41 @@ std::vector<glm::uvec3> PictureAlignment::triangles() const {
     const glm::uvec3 is = grid_.alignment.triangles[n];
     if (is != t && is != turned(t)) t = isUpright(mesh_, t) ? is : turned(is);
   }
+  const std::vector<glm::uvec3>& all = grid_.alignment.triangles;
+  for (std::size_t n = grid_.judged.size(); n < all.size(); ++n)
+    triangles.push_back(isUpright(mesh_, mesh_.triangles[grid_.judged[0]]) ? all[n] : turned(all[n]));
   return triangles;
 }
 
 Range PictureAlignment::range(std::size_t point, const Match& match) const {
-  std::vector<glm::dvec2> pixels;
-  for (std::size_t i = 0; i < match.size(); ++i) pixels.push_back(matched_.pixel(i, match[i][point]));
-  return ranges_.solve(point, pixels);
+  return ranges_.solve(point, pixelsOf(point, match));
+}
+
+Range PictureAlignment::range(std::size_t point, const Match& match, std::span<const Range> range,
+                              const InsertedPoint& from) const {
+  double mean = 0, least = 0, most = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Range& parent = range[from.parent[k]];
+    const double inverseDepth = parent.inverseDistance / parent.perInverseDepth;
+    mean += from.weight[k] * inverseDepth;
+    least = k == 0 ? inverseDepth : std::min(least, inverseDepth);
+    most = std::max(most, inverseDepth);
+  }
+  return ranges_.solve(mean, most - least, pixelsOf(point, match));
 }
 
 bool PictureAlignment::allows(std::uint32_t point, std::span<const glm::ivec2> position) const {
   std::vector<glm::dvec2> pixels;
   for (std::size_t i = 0; i < position.size(); ++i)
     pixels.push_back(matched_.pixel(i, glm::dvec2(position[i]) / double(kAlignmentUnitsPerPixel)));
+  const double most = kMostResidualPx * matched_.pixelsPerStored();
+  if (point >= mesh_.pointCount()) {
+    const Range inserted = ranges_.solve(pixels);
+    return inserted.inverseDistance > 0 && inserted.residualPx <= most;
+  }
   const Range &was = before(point), now = ranges_.solve(point, pixels);
   if (was.inverseDistance > 0 && !(now.inverseDistance > 0)) return false;  // rays part
-  return now.residualPx <= std::max(kMostResidualPx * matched_.pixelsPerStored(), was.residualPx);
+  return now.residualPx <= std::max(most, was.residualPx);
 }
 
 AlignmentSummary nothingJudged(std::size_t points) {
@@ -156,18 +196,20 @@ std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& sig
 }
 
 std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
-  const std::vector<std::size_t> flipped = flippedTriangles(before, now);
+  const std::vector<std::size_t> changed = changedTriangles(before, now);
   MorphMesh others = before;
-  for (const std::size_t t : flipped) others.triangles[t] = glm::uvec3(0);  // never positive: it holds nothing back
+  for (const std::size_t t : changed)
+    if (t < others.triangles.size()) others.triangles[t] = glm::uvec3(0);  // never positive: it holds nothing back
   Match match = now.match;
   std::size_t back = takeBackFolded(others, match, meshSigns);
-  const bool stand = std::ranges::all_of(flipped, [&](std::size_t t) {
-    const glm::uvec3 is = now.triangles[t];
-    return meshSigns(match, isUpright(before, before.triangles[t]) ? is : turned(is)) == allPositive(match.size());
+  const bool stand = std::ranges::all_of(changed, [&](std::size_t t) {
+    const glm::uvec3 was = before.triangles[t < before.triangles.size() ? t : changed[0]], is = now.triangles[t];
+    return meshSigns(match, isUpright(before, was) ? is : turned(is)) == allPositive(match.size());
   });
   if (!stand) {
     now.triangles = before.triangles;
     match = now.match;
+    for (auto& at : match) at.resize(before.pointCount());
     back = takeBackFolded(before, match, meshSigns);
   }
   now.match = std::move(match);
@@ -177,8 +219,9 @@ std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now) {
 std::vector<bool> movedPoints(const Match& before, const Match& after) {
   std::vector<bool> moved(before[0].size(), false);
   for (std::size_t i = 0; i < before.size(); ++i)
-    for (std::size_t p = 0; p < moved.size(); ++p)
+    for (std::size_t p = 0; p < before[i].size(); ++p)
       if (before[i][p] != after[i][p]) moved[p] = true;
+  moved.resize(after[0].size(), true);
   return moved;
 }
 
@@ -191,11 +234,33 @@ std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector
   return triangles;
 }
 
-std::vector<std::size_t> flippedTriangles(const MorphMesh& before, const MorphMesh& now) {
-  std::vector<std::size_t> flipped;
+std::vector<std::size_t> changedTriangles(const MorphMesh& before, const MorphMesh& now) {
+  std::vector<std::size_t> changed;
   for (std::size_t t = 0; t < now.triangles.size(); ++t)
-    if (now.triangles[t] != before.triangles[t]) flipped.push_back(t);
-  return flipped;
+    if (t >= before.triangles.size() || now.triangles[t] != before.triangles[t]) changed.push_back(t);
+  return changed;
+}
+
+void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted) {
+  mesh.tier.resize(mesh.triangles.size(), kTierAgrees);
+  mesh.ecc.resize(mesh.triangles.size(), 0.0f);
+  for (const InsertedPoint& point : inserted) {
+    mesh.inverseDistance.push_back(0.0f);
+    mesh.uncertainty.push_back(0.0f);
+    for (auto& ratio : mesh.ratio) ratio.push_back(1.0f);
+    if (!mesh.planes.empty()) mesh.planes.push_back(sharedPlanes(mesh.planes, point.parent));
+  }
+}
+
+void sortByTier(MorphMesh& mesh) {
+  const auto first = std::ranges::find_if(mesh.tier, [](std::uint8_t tier) { return tier != kTierAgrees; });
+  const auto last = std::find(first, mesh.tier.end(), std::uint8_t(kTierAgrees));
+  const auto rotate = [&](auto& list) {
+    std::rotate(list.begin() + (first - mesh.tier.begin()), list.begin() + (last - mesh.tier.begin()), list.end());
+  };
+  rotate(mesh.triangles);
+  rotate(mesh.ecc);
+  std::rotate(first, last, mesh.tier.end());
 }
 
 void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const Range> range,
@@ -257,26 +322,35 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   facts.fixed = alignment.fixed();
   facts.summary = alignment.summary();
   facts.takenBack = aligning::takeBackFolded(before, mesh);
-  const std::vector<std::size_t> flipped = aligning::flippedTriangles(before, mesh);
-  facts.flipped = flipped.size();
+  facts.inserted = mesh.match[0].size() - facts.points;
+  const std::vector<std::size_t> joined = aligning::changedTriangles(before, mesh);
+  facts.flipped = std::size_t(std::ranges::count_if(joined, [&](std::size_t t) {
+    const glm::uvec3& corner = mesh.triangles[t];
+    return std::max({corner.x, corner.y, corner.z}) < facts.points;
+  }));
   const std::vector<bool> moved = aligning::movedPoints(before.match, mesh.match);
-  facts.moved = std::size_t(std::ranges::count(moved, true));
-  if (facts.moved + facts.flipped == 0) return result;
+  facts.moved = std::size_t(std::ranges::count(moved, true)) - facts.inserted;
+  if (facts.moved + joined.size() == 0) return result;
 
+  const std::span inserted = std::span(alignment.inserted()).first(facts.inserted);
+  aligning::growLists(mesh, inserted);
   std::vector<Range> range;
   std::vector<double> level, residuals;
-  for (std::size_t p = 0; p < before.pointCount(); ++p) {
-    range.push_back(moved[p] ? alignment.range(p, mesh.match) : alignment.before(p));
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+    range.push_back(p >= facts.points ? alignment.range(p, mesh.match, range, inserted[p - facts.points])
+                    : moved[p]        ? alignment.range(p, mesh.match)
+                                      : alignment.before(p));
     level.push_back(alignment.level() * range[p].perInverseDepth);
     residuals.push_back(range[p].residualPx);
   }
   aligning::takeRanges(mesh, moved, range, level);
   std::vector<std::size_t> changed;
-  std::ranges::set_union(aligning::movedTriangles(mesh, moved), flipped, std::back_inserter(changed));
+  std::ranges::set_union(aligning::movedTriangles(mesh, moved), joined, std::back_inserter(changed));
   std::vector<glm::uvec3> corners;
   for (const std::size_t t : changed) corners.push_back(mesh.triangles[t]);
   const std::vector<float> ecc = matched.labels(mesh.match, corners);
   for (std::size_t t = 0; t < changed.size(); ++t) mesh.ecc[changed[t]] = ecc[t];
+  aligning::sortByTier(mesh);
   result.quality =
       aligning::qualityOf(mesh, input.cell.quality, residuals, [&](const glm::uvec3& t) { return meanArea(mesh, t); });
   return result;

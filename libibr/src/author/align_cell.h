@@ -32,7 +32,7 @@ AlignedCell alignCell(const CellToAlign& input, const AlignmentOptions& options,
 
 /// Panoramas are optimised on the faces of a cube (panorama_faces.h) in which all members look the same way: a point in
 /// the face that it lies in, if its whole star is well inside that face for all members, and then no other. No edge is
-/// flipped, though it is asked for.
+/// flipped and no point inserted, though it is asked for.
 AlignedCell alignPanoramas(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
                            const ProgressCallback& progress);
 
@@ -70,21 +70,28 @@ class PictureAlignment {
   PictureAlignment(std::span<const MatchView> views, const MorphMesh& mesh, const Camera& frame, bool widened,
                    const std::vector<std::uint8_t>& fixed = {});
 
-  /// Where its points stand then; those that did not move to the bit as they stood. `options.flipEdges`: triangles().
+  /// Where its points stand then, inserted ones last; those that did not move to the bit as they stood.
+  /// `options.flipEdges`, `options.insertPoints`: triangles().
   Match run(const AlignmentOptions& options, const Aligner& aligner, const ProgressCallback& progress);
 
-  /// The mesh's, with the edges that run() has flipped: an index has one of the same tier, that turns the same way.
+  /// The mesh's, with the edges that run() has flipped and points that it has inserted: an index has one of the same
+  /// tier, that turns the same way. There may be more, of tier 0.
   std::vector<glm::uvec3> triangles() const;
+  const std::vector<InsertedPoint>& inserted() const { return grid_.alignment.inserted; }
 
   const AlignmentSummary& summary() const { return summary_; }
   std::size_t judged() const { return grid_.alignment.triangles.size(); }
   std::size_t fixed() const { return grid_.fixed; }
   Range range(std::size_t point, const Match& match) const;
+  /// Of a point that was inserted: its inverse depth should be that between its parents, or near one of theirs.
+  /// `range`: of all points before it.
+  Range range(std::size_t point, const Match& match, std::span<const Range> range, const InsertedPoint& from) const;
   const Range& before(std::size_t point) const { return ranges_.before(point); }
   double level() const { return ranges_.level(); }
 
  private:
   bool allows(std::uint32_t point, std::span<const glm::ivec2> position) const;
+  std::vector<glm::dvec2> pixelsOf(std::size_t point, const Match& match) const;
 
   std::span<const MatchView> views_;
   const MorphMesh& mesh_;
@@ -100,23 +107,31 @@ AlignmentSummary nothingJudged(std::size_t points);
 /// Moves back, in all pictures, what turns a triangle of the mesh over that was not. Gives the number of points.
 std::size_t takeBackFolded(const MorphMesh& mesh, Match& moved, const Signs& signs);
 
-/// Moves points back as above, but with the triangles of `now`, which has those of `before` with edges flipped. Where a
-/// new one would then be folded over in a picture or a mean, all edges are flipped back first.
+/// Moves points back as above, but with the triangles of `now`, which has those of `before` with edges flipped, and
+/// more points and triangles at the ends. Where a new one would then be folded over in a picture or a mean, first all
+/// edges are flipped back and all inserted points taken out. Of `now`, matches and triangles are used.
 std::size_t takeBackFolded(const MorphMesh& before, MorphMesh& now);
 
-/// n: whether a point stands elsewhere in any picture.
+/// Whether a point stands elsewhere in any picture, or was not there.
 std::vector<bool> movedPoints(const Match& before, const Match& after);
 
 /// Triangles with a corner that moved, by number.
 std::vector<std::size_t> movedTriangles(const MorphMesh& mesh, const std::vector<bool>& moved);
 
-/// Triangles whose corners are not those of `before`, by number.
-std::vector<std::size_t> flippedTriangles(const MorphMesh& before, const MorphMesh& now);
+/// Triangles whose corners are not those of `before`, or that were not there, by number.
+std::vector<std::size_t> changedTriangles(const MorphMesh& before, const MorphMesh& now);
 
 /// ρ, a_i and uncertainty of what moved. `range`: n, used for points that moved; `level`: n, as widenUncertainty has
 /// it, or none where uncertainties are not widened.
 void takeRanges(MorphMesh& mesh, const std::vector<bool>& moved, std::span<const Range> range,
                 std::span<const double> level);
+
+/// Room for the points and triangles that the mesh has more than its lists of what it knows of them: triangles are of
+/// tier 0, points on the planes that all their parents lie on.
+void growLists(MorphMesh& mesh, std::span<const InsertedPoint> inserted);
+
+/// Brings triangles of tier 0 before all others; otherwise their order stays.
+void sortByTier(MorphMesh& mesh);
 
 /// ECC, residual and score of the mesh as it is now. `residuals`: of its points. `area`: of each triangle, in any unit.
 CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<double> residuals,

@@ -29,7 +29,7 @@ class Sphere {
   Sphere(const CellToAlign& input, const AlignmentOptions& options, const Aligner& aligner,
          const ProgressCallback& progress)
       : input_(input), options_(options), aligner_(aligner), progress_(progress), before_(input.cell.mesh) {
-    options_.flipEdges = false;
+    options_.flipEdges = options_.insertPoints = false;
     for (const MatchView& view : input.views) samplers_.emplace_back(view.picture);
     for (const glm::dquat turn : cubeRotations()) rotations_.push_back(input.views[0].camera.pose.rotation * turn);
     for (std::size_t p = 0; p < before_.pointCount(); ++p) {

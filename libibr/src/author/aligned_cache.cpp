@@ -8,7 +8,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 2;     // raise it when cells come out differently
+constexpr std::uint64_t kVersion = 3;     // raise it when cells come out differently
 constexpr const char* kKind = "aligned";  // of kept file
 
 }  // namespace
@@ -27,6 +27,8 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
   hash.add(options.rigidity);
   hash.add(options.flipEdges);
   hash.add(options.flipGain);
+  hash.add(options.insertPoints);
+  for (const double v : {options.insertBelow, options.insertGain, options.insertShare}) hash.add(v);
   hash.add(options.prune);
   hash.add(options.scaledInstances);
   hash.add(options.seed);
@@ -52,7 +54,8 @@ void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const 
   out.mesh(cell.mesh);
   out.value(cell.quality);
   const OptimisedCell& facts = cell.facts;
-  for (const std::size_t v : {facts.points, facts.judged, facts.fixed, facts.moved, facts.flipped, facts.takenBack})
+  for (const std::size_t v :
+       {facts.points, facts.judged, facts.fixed, facts.moved, facts.flipped, facts.inserted, facts.takenBack})
     out.value(std::uint64_t(v));
   const AlignmentSummary& summary = facts.summary;
   for (const double v : {summary.initialEcc, summary.finalEcc, summary.initialEccPaper, summary.finalEccPaper})
@@ -62,6 +65,7 @@ void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const 
   out.list(summary.cycles);
   out.value(std::uint64_t(summary.bestCycle));
   out.value(std::uint64_t(summary.flips));
+  out.value(std::uint64_t(summary.insertions));
   out.value(summary.seconds);
   storeKept(keptFile(folder, key, kKind), out.take());
 }
@@ -75,7 +79,7 @@ std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std
   cell.quality = in.value<CellQuality>();
   OptimisedCell& facts = cell.facts;
   for (std::size_t* const v :
-       {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.flipped, &facts.takenBack})
+       {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.flipped, &facts.inserted, &facts.takenBack})
     *v = in.value<std::uint64_t>();
   AlignmentSummary& summary = facts.summary;
   for (double* const v : {&summary.initialEcc, &summary.finalEcc, &summary.initialEccPaper, &summary.finalEccPaper})
@@ -85,6 +89,7 @@ std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std
   summary.cycles = in.list<AlignmentCycle>();
   summary.bestCycle = in.value<std::uint64_t>();
   summary.flips = in.value<std::uint64_t>();
+  summary.insertions = in.value<std::uint64_t>();
   summary.seconds = in.value<double>();
   return cell;
 }

@@ -135,6 +135,8 @@ std::vector<std::vector<glm::vec2>> movedMatch(const MorphMesh& mesh, const std:
   for (std::size_t i = 0; i < match.size(); ++i)
     for (std::size_t p = 0; p < match[i].size(); ++p)
       if (to[i][p] != from[i][p]) match[i][p] = pixels(to[i][p]);
+  for (std::size_t i = 0; i < match.size(); ++i)
+    for (std::size_t p = match[i].size(); p < to[i].size(); ++p) match[i].push_back(pixels(to[i][p]));
   return match;
 }
 

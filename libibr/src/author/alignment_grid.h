@@ -23,8 +23,8 @@ struct AlignmentGrid {
 AlignmentGrid ontoGrid(const MorphMesh& mesh, const std::vector<glm::ivec2>& size,
                        const std::vector<std::uint8_t>& fixed = {});
 
-/// What the optimiser did: matches of points that moved in a picture are those of `to`, all others stay as they are in
-/// `mesh`, to the bit.
+/// What the optimiser did: matches of points that moved in a picture, or that only `to` has, are those of `to`, all
+/// others stay as they are in `mesh`, to the bit.
 std::vector<std::vector<glm::vec2>> movedMatch(const MorphMesh& mesh, const std::vector<std::vector<glm::ivec2>>& from,
                                                const std::vector<std::vector<glm::ivec2>>& to);
 

@@ -154,6 +154,10 @@ std::string settingsWith(const std::string& settings, const OptimiseCellsOptions
                        {"escape", a.escape},
                        {"flipEdges", a.flipEdges},
                        {"flipGain", a.flipGain},
+                       {"insertPoints", a.insertPoints},
+                       {"insertBelow", a.insertBelow},
+                       {"insertGain", a.insertGain},
+                       {"insertShare", a.insertShare},
                        {"prune", a.prune},
                        {"seed", a.seed}};
   if (!options.cells.empty()) json["optimised"]["cells"] = options.cells;

@@ -81,10 +81,11 @@ RangeSolver::RangeSolver(const Camera& frame, std::vector<Camera> members, const
     levels.push_back(high);
   }
   if (!levels.empty()) level_ = median(levels);
-  const double deviation = level_ > 0 ? kPriorLevels * level_ : kNoPrior * std::max(largest, 1e-9);
+  largest_ = std::max(largest, 1e-9);
+  deviation_ = level_ > 0 ? kPriorLevels * level_ : kNoPrior * largest_;
   for (std::size_t p = 0; p < n; ++p) {
     const std::vector<glm::dvec2> pixels = pixelsOf(match, p);
-    prior_.push_back(priorOf(p, pixels, deviation));
+    prior_.push_back(priorOf(p, pixels, deviation_));
     before_.push_back(triangulate(frame_, members_, pixels, prior_[p], kNoisePx));
   }
 }
@@ -107,6 +108,14 @@ RangePrior RangeSolver::priorOf(std::size_t point, std::span<const glm::dvec2> p
 
 Range RangeSolver::solve(std::size_t point, std::span<const glm::dvec2> pixels) const {
   return triangulate(frame_, members_, pixels, prior_[point], kNoisePx);
+}
+
+Range RangeSolver::solve(double inverseDepth, double spread, std::span<const glm::dvec2> pixels) const {
+  return triangulate(frame_, members_, pixels, {inverseDepth, std::hypot(deviation_, spread)}, kNoisePx);
+}
+
+Range RangeSolver::solve(std::span<const glm::dvec2> pixels) const {
+  return triangulate(frame_, members_, pixels, {0.5 * largest_, kNoPrior * largest_}, kNoisePx);
 }
 
 }  // namespace ibr

@@ -26,6 +26,11 @@ class RangeSolver {
 
   /// With the point's matches at `pixels`, one in each member's picture.
   Range solve(std::size_t point, std::span<const glm::dvec2> pixels) const;
+  /// A point that the mesh did not have, with the inverse depth that it should have, and how far that may be off
+  /// besides what the sweep's depth is.
+  Range solve(double inverseDepth, double spread, std::span<const glm::dvec2> pixels) const;
+  /// As far as the point's matches alone tell.
+  Range solve(std::span<const glm::dvec2> pixels) const;
   /// Where it stands now.
   const Range& before(std::size_t point) const { return before_[point]; }
 
@@ -42,6 +47,8 @@ class RangeSolver {
   std::vector<RangePrior> prior_;
   std::vector<Range> before_;
   double level_ = 0;
+  double largest_ = 0;    // inverse depth
+  double deviation_ = 0;  // of all priors
 };
 
 }  // namespace ibr

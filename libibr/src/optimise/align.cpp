@@ -5,7 +5,7 @@
 //   repeat
 //     each picture, each class of points that share no triangle, each of its points:
 //       the best of M candidates within r; the point moves there unless it stands best already
-//     edges are flipped, if that is asked for (topology.h)
+//     edges are flipped (topology.h), points are inserted (insertion.h), if that is asked for
 //     E′ ← mean ECC; the mesh is kept if it is the best so far;  R ← R·D
 //   until E′ − E <= t·max(|E|, 1/100), from the second cycle on
 //
@@ -16,13 +16,15 @@
 #include <limits>
 
 #include "base/check.h"
+#include "optimise/insertion.h"
 #include "optimise/mover.h"
 #include "optimise/topology.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kLeastScale = 0.01;  // of E in the stop rule, so that E near 0 or below ends, too
+constexpr std::uint32_t kInserting = 0x1b5e;  // makes another seed of a cycle's
+constexpr double kLeastScale = 0.01;          // of E in the stop rule, so that E near 0 or below ends, too
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -34,19 +36,22 @@ struct MeanEcc {
   double of(EccDefinition definition) const { return definition == EccDefinition::channels ? channels : concatenated; }
 };
 
-MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double varianceFloor) {
+// The means: of the first `points`.
+MeanEcc meanOf(const std::vector<Judgement>& all, const StarMesh& mesh, double varianceFloor, std::size_t points) {
   const std::size_t n = mesh.pointCount(), d = mesh.memberCount();
   MeanEcc mean{0, 0, std::vector<float>(n, std::numeric_limits<float>::quiet_NaN())};
   std::size_t stars = 0;
   for (std::size_t p = 0; p < n; ++p) {
     if (mesh.star[p].empty()) continue;
+    const bool counts = p < points;
     double star = 0;
     for (std::size_t i = 0; i < d; ++i) {
       const Judgement& judgement = all[i * n + p];
       star += eccOf(judgement.score(EccDefinition::channels, varianceFloor)) / double(d);
-      mean.concatenated += eccOf(judgement.score(EccDefinition::concatenated, 0)) / double(d);
+      if (counts) mean.concatenated += eccOf(judgement.score(EccDefinition::concatenated, 0)) / double(d);
     }
     mean.star[p] = float(star);
+    if (!counts) continue;
     mean.channels += star;
     ++stars;
   }
@@ -70,48 +75,64 @@ std::unique_ptr<Mover> moverOf(const MoverInput& input, const Device* device) {
   fail(ErrorCode::invalidInput, "alignment: method {} is none", int(input.options.method));
 }
 
-// A mesh that moves, and may be joined anew.
+// A mesh that moves, and may be joined anew and grow.
 class MovingMesh {
  public:
   MovingMesh(const Alignment& start, const AlignmentOptions& options, const Device* device)
-      : start_(start), options_(options), device_(device), now_(start) {
+      : options_(options), device_(device), start_(start), now_(start) {
     mesh_ = starMeshOf(start);
     for (const Image8* picture : start.pictures) pictures_.push_back(texelsOf(*picture));
     mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
     coarse_ = mover_->coarseCycles();
+    points_ = mesh_.pointCount();
   }
   MovingMesh(const MovingMesh&) = delete;
 
   const Alignment& now() const { return now_; }
   int coarseCycles() const { return coarse_; }
-  MeanEcc mean() { return meanOf(mover_->judgeAll(now_.position), mesh_, options_.varianceFloor); }
+  MeanEcc mean() { return meanOf(mover_->judgeAll(now_.position), mesh_, options_.varianceFloor, points_); }
   CycleCounts cycle(const CycleRequest& request, const KeepGoing& keepGoing) {
     return mover_->cycle(request, now_.position, keepGoing);
   }
 
-  /// Only after the coarse cycles: the new mover has none.
-  std::size_t flip() {
-    const std::size_t flips =
-        flipEdges(now_, pictures_, {options_.flipGain, options_.varianceFloor, kFlipPasses, options_.threads});
-    if (flips == 0) return 0;
+  struct Changed {
+    std::size_t flipped = 0, inserted = 0;
+  };
+  /// What the options ask for. Only after the coarse cycles: the new mover has none.
+  Changed joinAnew(std::uint32_t seed, const KeepGoing& keepGoing) {
+    Changed changed;
+    if (options_.flipEdges)
+      changed.flipped =
+          flipEdges(now_, pictures_, {options_.flipGain, options_.varianceFloor, kFlipPasses, options_.threads});
+    Positions began = std::move(start_.position);
+    if (options_.insertPoints) {
+      const std::size_t most = points_ + std::size_t(options_.insertShare * double(points_));
+      const InsertRequest request{most - now_.position[0].size(), int(options_.radiusPx * kAlignmentUnitsPerPixel),
+                                  seed};
+      changed.inserted = insertPoints(now_, began, pictures_, options_, request, keepGoing);
+    }
+    if (changed.inserted > 0) start_ = now_;
+    start_.position = std::move(began);
+    if (changed.flipped + changed.inserted == 0) return changed;
     mover_.reset();
     options_.levels = 1;
     mesh_ = starMeshOf(now_);
     mover_ = moverOf({mesh_, pictures_, options_, start_}, device_);
-    return flips;
+    return changed;
   }
 
  private:
   static constexpr int kFlipPasses = 8;
 
-  const Alignment& start_;
   AlignmentOptions options_;
   const Device* device_;
+  Alignment start_;  // where each point began; of one that was inserted, before it looked for its place
   Alignment now_;
   StarMesh mesh_;
   std::vector<Texels> pictures_;
   std::unique_ptr<Mover> mover_;  // of mesh_
   int coarse_ = 0;
+  std::size_t points_ = 0;  // before any was inserted
 };
 
 }  // namespace
@@ -128,6 +149,9 @@ std::string optionsFault(const AlignmentOptions& o) {
   if (!within(o.escape, 0, 256)) return fmt::format("escape {}: 0 to 256", o.escape);
   if (!within(o.epipolarWeight, 0, 10000)) return fmt::format("epipolar weight {}: 0 to 10000", o.epipolarWeight);
   if (!within(o.flipGain, 0, 1)) return fmt::format("flip gain {}: 0 to 1", o.flipGain);
+  if (!within(o.insertBelow, -1, 1)) return fmt::format("insertion below {}: -1 to 1", o.insertBelow);
+  if (!within(o.insertGain, 0, 1)) return fmt::format("insertion gain {}: 0 to 1", o.insertGain);
+  if (!within(o.insertShare, 0, 4)) return fmt::format("insertion share {}: 0 to 4", o.insertShare);
   if (!within(o.varianceFloor, 0, 1000)) return fmt::format("variance floor {}: 0 to 1000", o.varianceFloor);
   return {};
 }
@@ -144,10 +168,9 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
     const Progress now{"aligning", summary.cycles.size(), 0};
     check(!progress || progress(now), ErrorCode::cancelled, "alignment: cancelled");
   };
-  Positions bestPosition = alignment.position;
-  std::vector<glm::uvec3> bestTriangles = alignment.triangles;
+  Alignment best = alignment;
   MeanEcc last = mesh.mean(), bestMean = last;
-  std::size_t flips = 0;
+  std::size_t flips = 0, insertions = 0;
   summary.initialEcc = last.channels;
   summary.initialEccPaper = last.concatenated;
   summary.starEccBefore = last.star;
@@ -159,25 +182,28 @@ AlignmentSummary align(Alignment& alignment, const AlignmentOptions& options, co
     const CycleRequest request{std::max(int(radius), 1), shader::eccHash(seed, std::uint32_t(c))};
     const CycleCounts counts = mesh.cycle(request, keepGoing);
     const int finer = c - mesh.coarseCycles();
-    const std::size_t flipped = options.flipEdges && finer >= 0 ? mesh.flip() : 0;
-    flips += flipped;
+    const auto changed =
+        finer >= 0 ? mesh.joinAnew(shader::eccHash(request.seed, kInserting), keepGoing) : MovingMesh::Changed{};
+    flips += changed.flipped;
+    insertions += changed.inserted;
     const MeanEcc mean = mesh.mean();
     const double ecc = mean.of(options.definition), before = last.of(options.definition);
     summary.cycles.push_back({double(request.radius) / kAlignmentUnitsPerPixel, ecc, counts.mutations, counts.pixels,
-                              counts.moved, counts.refused, secondsSince(cycleStart), flipped});
+                              counts.moved, counts.refused, secondsSince(cycleStart), changed.flipped,
+                              changed.inserted});
     last = mean;
     if (ecc > bestMean.of(options.definition)) {
-      bestPosition = mesh.now().position;
-      bestTriangles = mesh.now().triangles;
+      best = mesh.now();
       bestMean = mean;
       summary.bestCycle = std::size_t(c) + 1;
       summary.flips = flips;
+      summary.insertions = insertions;
     }
     const bool stalled = ecc - before <= options.threshold * std::max(std::abs(before), kLeastScale);
-    if (finer >= 0 && (counts.moved + flipped == 0 || (finer > 0 && stalled))) break;
+    if (finer >= 0 && (counts.moved + changed.flipped + changed.inserted == 0 || (finer > 0 && stalled))) break;
   }
-  alignment.position = std::move(bestPosition);
-  alignment.triangles = std::move(bestTriangles);
+  alignment = std::move(best);
+  summary.starEccBefore.resize(bestMean.star.size(), std::numeric_limits<float>::quiet_NaN());
   summary.finalEcc = bestMean.channels;
   summary.finalEccPaper = bestMean.concatenated;
   summary.starEccAfter = bestMean.star;

@@ -12,8 +12,7 @@
 namespace ibr {
 
 struct FlipOptions {
-  /// What the ECC of the two triangles (`channels`, mean over the sources) must rise by, where they have 1024 samples
-  /// or more in a picture; with fewer, n, it is 32/√n times as much, as the scatter of a correlation is.
+  /// What the ECC of the two triangles must rise by; more where they have few samples (agreement.h).
   double gain = 0.005;
   double varianceFloor = 25;  // grey²
   int mostPasses = 8;         // of which none flips beside an edge that it has flipped

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -117,6 +118,33 @@ AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCa
         }
   FAIL("no two triangles share an edge");
   return summaryOf(a);
+}
+
+// Splits the first two triangles beside each other in the middle of their edge, moved by `off` in picture 0.
+Aligner insertingOne(glm::ivec2 off) {
+  return [off](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+    for (std::size_t s = 0; s < a.triangles.size(); ++s)
+      for (std::size_t t = 0; t < s; ++t)
+        for (int k = 0; k < 3; ++k)
+          for (int l = 0; l < 3; ++l) {
+            const glm::uvec3 one = a.triangles[s], other = a.triangles[t];
+            const unsigned from = one[k], to = one[(k + 1) % 3], c = one[(k + 2) % 3], d = other[(l + 2) % 3];
+            if (other[l] != to || other[(l + 1) % 3] != from) continue;
+            const auto n = unsigned(a.position[0].size());
+            for (auto& at : a.position) at.push_back((at[from] + at[to]) / 2);
+            a.position[0][n] += off;
+            a.fixed.push_back(0);
+            a.inserted.push_back({{from, to, to}, {0.5, 0.5, 0}});
+            a.triangles[s] = {c, from, n};
+            a.triangles[t] = {d, to, n};
+            a.triangles.insert(a.triangles.end(), {{to, c, n}, {from, d, n}});
+            AlignmentSummary summary = summaryOf(a);
+            summary.starEccBefore.back() = std::nanf("");
+            return summary;
+          }
+    FAIL("no two triangles share an edge");
+    return summaryOf(a);
+  };
 }
 
 bool sameMesh(const MorphMesh& a, const MorphMesh& b) {
@@ -289,6 +317,115 @@ TEST_CASE("edges are flipped back where new triangles would fold over") {
   const auto report = optimiseScene(options, foldsOne);
   CHECK(report.cells[0].flipped == 0);
   CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
+}
+
+TEST_CASE("a point that the optimiser inserted gets all that a point has, and the others keep every bit") {
+  Wall wall;
+  MorphMesh& mesh = wall.scene.cells[0].mesh;
+  for (std::size_t t = mesh.triangles.size() - 6; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
+  mesh.planes.assign(mesh.pointCount(), {2, 5, 0, 0});
+  saveScene(wall.scene, wall.folder / "scene");
+  wall.scene = loadScene(wall.folder / "scene");
+  const MorphMesh was = wall.scene.cells[0].mesh;
+  const std::size_t n = was.pointCount();
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  options.cells.finished = wall.folder / "kept";
+  const bool kept = GENERATE(false, true);
+  const Aligner insertsOne = insertingOne({kAlignmentUnitsPerPixel, 0});
+  if (kept) optimiseScene(options, insertsOne);
+  const auto report = optimiseScene(options, insertsOne);
+  const OptimisedCell& facts = report.cells[0];
+  CHECK(facts.resumed == kept);
+  CHECK(facts.inserted == 1);
+  CHECK(facts.points == n);
+  CHECK(facts.moved == 0);
+  CHECK(facts.flipped == 0);
+  CHECK(facts.summary.starEccBefore.size() == n + 1);
+  CHECK(validateSceneFiles(wall.folder / "out").empty());
+  const MorphMesh is = loadScene(wall.folder / "out").cells[0].mesh;
+  REQUIRE(is.pointCount() == n + 1);
+  const auto first = [&](const auto& list) { return std::vector(list.begin(), list.begin() + std::ptrdiff_t(n)); };
+  CHECK(first(is.inverseDistance) == was.inverseDistance);
+  CHECK(first(is.uncertainty) == was.uncertainty);
+  for (std::size_t i = 0; i < 2; ++i) {
+    CHECK(first(is.match[i]) == was.match[i]);
+    CHECK(first(is.ratio[i]) == was.ratio[i]);
+  }
+  CHECK(is.planes.at(n) == glm::u16vec4(2, 5, 0, 0));
+  // Where its two rays nearly meet.
+  const Camera &one = wall.scene.nodes[0].camera, &other = wall.scene.nodes[1].camera;
+  const glm::dvec3 a = one.pose.rotation * unproject(one.intrinsics, is.match[0][n]);
+  const glm::dvec3 b = other.pose.rotation * unproject(other.intrinsics, is.match[1][n]);
+  const glm::dvec3 base = other.pose.position - one.pose.position, normal = glm::cross(a, b);
+  const double distance = glm::dot(glm::cross(base, b), normal) / glm::dot(normal, normal);
+  CHECK(double(is.ratio[0][n]) / double(is.inverseDistance[n]) == Approx(distance).epsilon(0.05));
+  CHECK(is.uncertainty[n] > 0);
+  CHECK(double(is.uncertainty[n]) < 0.2 * double(is.inverseDistance[n]));
+  // Two triangles are four, of tier 0 and before those of tier 1, which are the old ones.
+  REQUIRE(is.triangles.size() == was.triangles.size() + 2);
+  CHECK(is.tier0Count() == was.tier0Count() + 2);
+  std::size_t around = 0, old = 0;
+  std::set<unsigned> corners;
+  for (std::size_t t = 0; t < is.triangles.size(); ++t) {
+    const glm::uvec3& corner = is.triangles[t];
+    CHECK(is.tier[t] == (t < was.tier0Count() + 2 ? kTierAgrees : kTierRejected));
+    CHECK((meshSigns(is.match, corner) & 1u) == (meshSigns(was.match, was.triangles[0]) & 1u));
+    if (std::max({corner.x, corner.y, corner.z}) == n) {
+      ++around;
+      corners.insert({corner.x, corner.y, corner.z});
+      CHECK(is.ecc[t] < 1);
+      CHECK(is.ecc[t] > 0);
+      continue;
+    }
+    const auto same = std::ranges::find(was.triangles, corner);
+    REQUIRE(same != was.triangles.end());
+    CHECK(is.ecc[t] == was.ecc[std::size_t(same - was.triangles.begin())]);
+    ++old;
+  }
+  CHECK(around == 4);
+  CHECK(corners.size() == 5);
+  CHECK(old == was.triangles.size() - 2);
+  options.cells.alignment.insertPoints = true;
+  CHECK(!optimiseScene(options, insertsOne).cells[0].resumed);
+  for (double AlignmentOptions::*const value :
+       {&AlignmentOptions::insertBelow, &AlignmentOptions::insertGain, &AlignmentOptions::insertShare}) {
+    options.cells.alignment.*value += 0.01;
+    CHECK(!optimiseScene(options, insertsOne).cells[0].resumed);
+  }
+  CHECK_THAT(loadScene(wall.folder / "out").settings, Contains(R"("insertPoints":true)"));
+}
+
+TEST_CASE("an inserted point beside which a triangle would fold over is taken out, with all flips") {
+  const Wall wall;
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  const auto report = optimiseScene(options, insertingOne({60 * kAlignmentUnitsPerPixel, 0}));
+  CHECK(report.cells[0].inserted == 0);
+  CHECK(report.cells[0].flipped == 0);
+  CHECK(sameMesh(loadScene(wall.folder / "out").cells[0].mesh, wall.scene.cells[0].mesh));
+}
+
+TEST_CASE("what a match alone tells refuses places of new points, too") {
+  const Wall wall;
+  OptimiseSceneOptions options = wall.options();
+  options.cells.cells = {0};
+  const Aligner asks = [](Alignment& a, const AlignmentOptions& o, const ProgressCallback&) {
+    const auto n = std::uint32_t(a.position[0].size());
+    for (std::uint32_t p = 0; p < n; p += 7) {
+      const auto may = [&](glm::ivec2 px) {
+        const std::vector<glm::ivec2> match{a.position[0][p] + px * kAlignmentUnitsPerPixel, a.position[1][p]};
+        return o.guard(n + 5, match);
+      };
+      CHECK(may({0, 0}));
+      CHECK(may({8, 0}));
+      CHECK(may({0, 5}));
+      CHECK(!may({0, 7}));
+      CHECK(!may({-40, 0}));
+    }
+    return summaryOf(a);
+  };
+  optimiseScene(options, asks);
 }
 
 TEST_CASE("a run that was stopped goes on, and comes to the same bytes") {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -15,58 +14,18 @@
 #include "optimise/star_mesh.h"
 #include "shared/ecc.h"
 #include "support/error_of.h"
+#include "support/mesh_checks.h"
 #include "support/planted.h"
 
 using namespace ibr;
+using namespace ibr::test;
 
 namespace {
 
 constexpr int kSide = 128, kCells = 4;
 
-std::vector<Texels> texelsOfAll(const Alignment& alignment) {
-  std::vector<Texels> texels;
-  for (const Image8* picture : alignment.pictures) texels.push_back(texelsOf(*picture));
-  return texels;
-}
-
 std::size_t flip(Alignment& alignment, const FlipOptions& options = {}) {
   return flipEdges(alignment, texelsOfAll(alignment), options);
-}
-
-// By the corner products of a shoelace; exact, for doubles hold all of them.
-double twiceArea(const std::array<glm::dvec2, 3>& at) {
-  double area = 0;
-  for (std::size_t k = 0; k < 3; ++k) area += at[k].x * at[(k + 1) % 3].y - at[(k + 1) % 3].x * at[k].y;
-  return area;
-}
-
-// Of pictures, means of two, mean of all: any non-empty set of at most two members, and the whole.
-bool foldedAnywhere(const Positions& at, const glm::uvec3& t) {
-  for (unsigned set = 1; set < 1u << at.size(); ++set) {
-    if (std::popcount(set) > 2 && set + 1 != 1u << at.size()) continue;
-    std::array<glm::dvec2, 3> sum{};
-    for (std::size_t i = 0; i < at.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (set >> i & 1u) sum[k] += glm::dvec2(at[i][t[int(k)]]);
-    if (twiceArea(sum) <= 0) return true;
-  }
-  return false;
-}
-
-std::set<std::set<std::uint32_t>> cornersOf(const std::vector<glm::uvec3>& triangles) {
-  std::set<std::set<std::uint32_t>> all;
-  for (const glm::uvec3& t : triangles) all.insert({t.x, t.y, t.z});
-  return all;
-}
-
-// Directed edges without another beside them.
-std::set<std::pair<unsigned, unsigned>> borderOf(const std::vector<glm::uvec3>& triangles) {
-  std::set<std::pair<unsigned, unsigned>> edges;
-  for (const glm::uvec3& t : triangles)
-    for (int k = 0; k < 3; ++k) CHECK(edges.emplace(t[k], t[(k + 1) % 3]).second);
-  auto border = edges;
-  for (const auto& [a, b] : edges) border.erase({edges.contains({b, a}) ? a : ~0u, b});
-  return border;
 }
 
 // The second picture shows the first one bent along the edges of a mesh: each triangle is a plane of its own.
