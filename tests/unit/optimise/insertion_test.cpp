@@ -212,6 +212,21 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
   }
 }
 
+TEST_CASE("an edge that a third triangle shares is not split") {
+  Ridges ridges;
+  const Alignment before = ridges.alignment;
+  for (const std::size_t square : Ridges::kBent) {
+    const glm::uvec3 t = before.triangles[2 * square];
+    ridges.alignment.kept.emplace_back(t.y, t.z, t.x);
+  }
+  insert(ridges.alignment, optionsWith());
+  for (const InsertedPoint& point : ridges.alignment.inserted)
+    for (const std::size_t square : Ridges::kBent) {
+      const glm::uvec3 t = before.triangles[2 * square];
+      CHECK(!(point.weight.z == 0 && std::minmax(point.parent.x, point.parent.y) == std::minmax(t.y, t.z)));
+    }
+}
+
 TEST_CASE("however many points come, the mesh stays whole, with any number of threads") {
   const auto grown = [](int threads, bool kept) {
     auto planted = test::planted(3, kSide, kSquares, 4, 35);
@@ -294,6 +309,8 @@ TEST_CASE("the optimiser inserts between its cycles if it is told to, and agrees
     Step step;
     const Alignment before = step.alignment;
     const std::size_t n = before.position[0].size();
+    step.alignment.epipolar.assign(2, std::vector<glm::vec2>(n));
+    step.alignment.fixed.assign(n, 0);
     options.insertPoints = inserts;
     const AlignmentSummary summary = align(step.alignment, options);
     const Alignment& now = step.alignment;
