@@ -105,8 +105,8 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
                  "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
-  app.add_flag("--optimise{cpu}", choices.optimise,
-               "Optimise the cells as ibr optimise does, on the processor or, as --optimise=METHOD, another way")
+  app.add_flag("--optimise{gradient}", choices.optimise,
+               "Optimise the cells as ibr optimise does, or, as --optimise=METHOD, another way")
       ->check([](const std::string& word) {
         parsedMethod("--optimise", word);
         return std::string();

@@ -33,16 +33,17 @@ const char* wordOf(EccDefinition definition) {
 AlignmentMethod parsedMethod(const std::string& option, const std::string& word) {
   for (const auto& [known, method] : kMethods)
     if (word == known) return method;
-  throw CLI::ValidationError(option, "'" + word + "' is none of cpu|compute|raster|gradient");
+  throw CLI::ValidationError(option, "'" + word + "' is none of gradient|cpu|compute|raster");
 }
 
 void declareAlignment(CLI::App& app, AlignmentOptions& options) {
-  options.method = AlignmentMethod::cpu;
+  options.method = AlignmentMethod::gradient;
   app.add_option_function<std::string>(
          "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
-         "Where candidates are judged: on the processor [cpu], or on the device, all at once or drawn as in the paper; "
-         "gradient: computed instead of drawn at random")
-      ->type_name("cpu|compute|raster|gradient");
+         "gradient: places are computed [gradient]. Else drawn at random and judged, on the processor, on the device "
+         "all at "
+         "once, or as the paper draws them")
+      ->type_name("gradient|cpu|compute|raster");
   addInt(app, "--instances", options.instances, kInstancesLimits.first, kInstancesLimits.second,
          "Candidates of a point, the first where it stands");
   addDouble(app, "--radius", options.radiusPx, kRadiusLimits.first, kRadiusLimits.second,

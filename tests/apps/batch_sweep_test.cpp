@@ -136,8 +136,8 @@ TEST_CASE("ibr sweep measures each setting as ibr optimise and ibr eval do") {
       REQUIRE(eval.code == 0);
       return Json::parse(eval.out).at("mean");
     };
-    const Outcome optimised = runProgram(
-        {"optimise", tinyScene(), "-o", folder / "sharper", "--instances", "16", "--radius", "1", "-q", "--json", "-"});
+    const Outcome optimised = runProgram({"optimise", tinyScene(), "-o", folder / "sharper", "--method", "cpu",
+                                          "--instances", "16", "--radius", "1", "-q", "--json", "-"});
     REQUIRE(optimised.code == 0);
     const Json mean = Json::parse(optimised.out).at("mean"), cell = Json::parse(optimised.out)["cells"][0];
     const Json& row = report["settings"][2];
