@@ -24,6 +24,7 @@ AlignmentCycle sumOf(const std::vector<AlignmentCycle>& cycles) {
     sum.moved += cycle.moved;
     sum.refused += cycle.refused;
     sum.flipped += cycle.flipped;
+    sum.inserted += cycle.inserted;
     sum.seconds += cycle.seconds;
   }
   return sum;

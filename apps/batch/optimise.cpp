@@ -37,7 +37,8 @@ void printTable(const OptimiseSceneReport& report, const Context& context) {
     row(fmt::format("{}", cell.cell), fmt::format("{}x{}", cell.width, cell.height),
         cell.resumed ? "kept" : fmt::format("{}", cell.summary.cycles.size()),
         [&](std::size_t f) { return kCellFigures[f].second(cell); });
-  if (report.cells.size() > 1) row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
+  if (report.cells.size() > 1)
+    row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
   context.print("{}\n", table.text());
 }
 
@@ -128,8 +129,8 @@ const Command kOptimiseCommand{
         "ibr optimise scene -o sharper --cells-only 0 3 --radius 8 --threshold 0\n"
         "ibr build photographs -o scene --optimise",
     .details =
-        "Each point tries places around it in each photograph and moves to where the triangles around it correlate "
-        "best half-way between the photographs. No triangle folds over; a move after which the photographs' rays part "
+        "Each point moves in each photograph to a place around it where the triangles around it correlate better "
+        "half-way between the photographs. No triangle folds over; a move after which the photographs' rays part "
         "is "
         "refused. The table has the mean correlation (ECC) of all points before and after, with a mean for each "
         "channel and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "

@@ -40,12 +40,11 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   options.method = AlignmentMethod::gradient;
   app.add_option_function<std::string>(
          "--method", [&options](const std::string& word) { options.method = parsedMethod("--method", word); },
-         "gradient: places are computed [gradient]. Else drawn at random and judged, on the processor, on the device "
-         "all at "
-         "once, or as the paper draws them")
+         "gradient: places are computed [gradient]. Else they are drawn at random and judged: on the processor, on the "
+         "device all at once, or as the paper draws them")
       ->type_name("gradient|cpu|compute|raster");
   addInt(app, "--instances", options.instances, kInstancesLimits.first, kInstancesLimits.second,
-         "Candidates of a point, the first where it stands");
+         "Not gradient: candidates of a point, the first where it stands");
   addDouble(app, "--radius", options.radiusPx, kRadiusLimits.first, kRadiusLimits.second,
             "Largest way of a candidate in the first cycle, px");
   addDouble(app, "--decay", options.decay, kDecayLimits.first, kDecayLimits.second,
@@ -71,7 +70,8 @@ void declareAlignment(CLI::App& app, AlignmentOptions& options) {
   addDouble(app, "--insert-below", options.insertBelow, -1, 1, "ECC of a triangle below which it may get a point");
   addDouble(app, "--insert-gain", options.insertGain, 0, 1,
             "ECC by which the triangles around an inserted point must rise");
-  app.add_flag("--prune", options.prune, "Judge all candidates on every 8th row first, and only the best whole");
+  app.add_flag("--prune", options.prune,
+               "cpu, compute: judge all candidates on every 8th row first, and only the best whole");
 }
 
 void declareCellsOnly(CLI::App& app, std::vector<std::size_t>& cells, const char* description) {

@@ -43,9 +43,10 @@ std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::str
   std::vector<std::string> words;
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || leftOut.contains(option->get_name())) continue;
-    if (!option->get_positional()) words.push_back(option->get_name());
-    if (option->get_items_expected_max() == 0) continue;  // a flag
-    for (const std::string& value : option->results()) words.push_back(value);
+    const bool flag = option->get_items_expected_max() == 0;
+    if (!option->get_positional() && !flag) words.push_back(option->get_name());
+    for (const std::string& value : option->results())
+      words.push_back(!flag ? value : value == "true" ? option->get_name() : option->get_name() + "=" + value);
   }
   return words;
 }

@@ -101,12 +101,21 @@ std::vector<SweepRow> present(const std::vector<std::optional<SweepRow>>& rows) 
   return there;
 }
 
+bool isInside(const fs::path& folder, const fs::path& of) {
+  const fs::path way = fs::weakly_canonical(folder).lexically_relative(fs::weakly_canonical(of));
+  return !way.empty() && *way.begin() != "..";
+}
+
 ExitCode sweep(const Options& options, const Context& context) {
   const std::vector<SweepSetting> settings = sweepSettings(options.lists, context.options().seed);
   if (options.list) {
     for (const SweepSetting& setting : settings) context.print("{}\n", setting.name());
     return kExitOk;
   }
+  for (const fs::path& source : {fs::path(options.sweep.scene), fs::path(options.sweep.truth)})
+    check(!isInside(options.output, source), ErrorCode::invalidInput,
+          "--output {}: lies in {}, whose files tell which settings were measured before", options.output,
+          source.string());
   SweepMeasure measure(options.sweep, context);
   makeFolders(options.output);
   SweepKept kept(fs::path(options.output) / "sweep.kept.jsonl");
@@ -156,8 +165,8 @@ const Command kSweepCommand{
         "with --cells 1 and --tiers 0 unless other options are given. One number at a time is varied around the "
         "default, or "
         "with --grid all at once. The folder gets sweep.csv, sweep.json and sweep.svg: time against ECC and PSNR, and "
-        "ECC against PSNR with their rank correlation. PSNR is that of covered pixels. Time is that of the optimiser "
-        "alone: leave the machine to it.",
+        "ECC against PSNR with their rank correlation. PSNR is that of covered pixels. Time is that of "
+        "optimising, photographs read included: leave the machine to it.",
     .afterInterrupt = "Settings that were measured are kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -66,6 +66,20 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
     CHECK(second.at("cellsMatched") == 0);
     CHECK(second.at("cellsShared") == 0);
   }
+  SECTION("optimised another way, they are other views") {
+    std::vector<double> psnr;
+    for (const char* method : {"--optimise", "--optimise=cpu"}) {
+      std::vector<std::string> words = line;
+      words.emplace_back(method);
+      const auto optimised = runProgram(words);
+      INFO(optimised.err);
+      REQUIRE(optimised.code == 0);
+      psnr.push_back(json::parse(optimised.out).at("mean").at("psnr"));
+    }
+    CHECK(psnr[0] != report.at("mean").at("psnr"));
+    CHECK(psnr[1] != report.at("mean").at("psnr"));
+    CHECK(psnr[0] != psnr[1]);
+  }
   SECTION("other settings, and a view whose picture is gone, are rendered from the same cells") {
     fs::remove(pictures / "row2.png");
     const json repaired = json::parse(runProgram(line).out);

@@ -255,6 +255,10 @@ TEST_CASE("ibr sweep refuses what makes no sense") {
   CHECK(runProgram({"sweep", tinyScene(), "--truth", tinySet().truth}).code == 1);
   CHECK(runProgram({"sweep", folder / "none", "--truth", tinySet().truth, "-o", out}).code == 2);
   CHECK(runProgram({"sweep", tinyScene(), "--truth", folder / "none", "-o", out}).code == 2);
+  const Outcome inside = runProgram(sweepOfTiny(tinySet().truth / "swept", {}));
+  CHECK(inside.code == 3);
+  CHECK_THAT(inside.err, Contains("--output"));
+  CHECK(!fs::exists(tinySet().truth / "swept"));
   const Outcome cell = runProgram(sweepOfTiny(out, {"--cells-only", "99"}));
   CHECK(cell.code == 3);
   CHECK_THAT(cell.err, Contains("no cell 99") && Contains("--cells-only"));

@@ -323,6 +323,11 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   facts.summary = alignment.summary();
   facts.takenBack = aligning::takeBackFolded(before, mesh);
   facts.inserted = mesh.match[0].size() - facts.points;
+  if (facts.inserted == 0 && facts.summary.insertions > 0) {  // taken out again, with all flips
+    facts.summary.insertions = facts.summary.flips = 0;
+    facts.summary.starEccBefore.resize(facts.points);
+    facts.summary.starEccAfter.resize(facts.points);
+  }
   const std::vector<std::size_t> joined = aligning::changedTriangles(before, mesh);
   facts.flipped = std::size_t(std::ranges::count_if(joined, [&](std::size_t t) {
     const glm::uvec3& corner = mesh.triangles[t];

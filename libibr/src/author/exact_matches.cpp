@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <random>
 #include <ranges>
 #include <utility>
 
 #include "author/exact_surface.h"
+#include "author/mean_frame.h"
 #include "author/mesh_signs.h"
+#include "author/ranges.h"
 #include "base/check.h"
 #include "ibr/accuracy.h"
 
@@ -19,13 +23,18 @@ struct PointMatch {
   std::vector<glm::vec2> at;  // d
   std::vector<float> ratio;   // d
   float inverseDistance = 0;
+  float uncertainty = 0;
 };
 
 class ExactCell {
  public:
   ExactCell(const MorphMesh& mesh, std::span<const ExactSurface* const> surfaces, const ExactMatchOptions& options,
             std::size_t cell)
-      : mesh_(mesh), surfaces_(surfaces), options_(options), random_(options.seed + cell), around_(mesh.pointCount()) {
+      : mesh_(mesh), surfaces_(surfaces), options_(options), around_(mesh.pointCount()) {
+    std::seed_seq seeds{std::uint32_t(options.seed), std::uint32_t(options.seed >> 32), std::uint32_t(cell)};
+    random_.seed(seeds);
+    for (const ExactSurface* surface : surfaces) cameras_.push_back(surface->camera());
+    frame_ = meanFrame(cameras_);
     for (const glm::uvec3& t : mesh.triangles)
       for (int k = 0; k < 3; ++k) around_[t[k]].push_back(t);
   }
@@ -50,7 +59,9 @@ class ExactCell {
       const glm::vec2 at = mesh_.match[i][p];
       return at.x >= 0 && at.y >= 0 && at.x <= float(surfaces_[i]->width()) && at.y <= float(surfaces_[i]->height());
     });
-    if (inside && signsAround(p) == before)
+    const bool sound = mesh_.inverseDistance[p] >= 0 &&
+                       std::ranges::all_of(mesh_.ratio, [&](const auto& ratio) { return ratio[p] > 0; });
+    if (inside && sound && signsAround(p) == before)
       ++moved_;
     else
       exchange(p, was);
@@ -70,8 +81,27 @@ class ExactCell {
     const double mean = std::accumulate(distance.begin(), distance.end(), 0.0) / double(distance.size());
     exact.inverseDistance = float(point->w / mean);
     for (const double d : distance) exact.ratio.push_back(float(d / mean));
-    for (std::size_t i = 1; i < exact.at.size(); ++i) exact.at[i] += glm::vec2(noise(), noise());
+    exact.uncertainty = mesh_.uncertainty[p];
+    if (options_.noisePx > 0) disturb(exact);
     return exact;
+  }
+
+  // Of where the point really is nothing is left then: ρ, a_i and uncertainty are what the disturbed match says.
+  void disturb(PointMatch& match) {
+    std::vector<glm::dvec2> pixels{match.at[0]};
+    for (std::size_t i = 1; i < match.at.size(); ++i) {
+      const double x = noise(), y = noise();
+      match.at[i] += glm::vec2(x, y);
+      pixels.emplace_back(match.at[i]);
+    }
+    constexpr double kNoPrior = 1e6;  // standard deviation, in the scene's own inverse distances
+    const double largest = *std::ranges::max_element(mesh_.inverseDistance);
+    const RangePrior none{0, kNoPrior * std::max(largest, 1e-9)};
+    const double deviation = std::max(kNoisePx, options_.noisePx / std::sqrt(3.0));
+    const Range range = triangulate(frame_, cameras_, pixels, none, deviation);
+    match.inverseDistance = float(range.inverseDistance);
+    match.uncertainty = float(range.uncertainty);
+    for (std::size_t i = 0; i < match.ratio.size(); ++i) match.ratio[i] = float(range.ratio[i]);
   }
 
   double noise() { return options_.noisePx * (double(random_() >> 11) * 0x1p-52 - 1.0); }
@@ -79,6 +109,7 @@ class ExactCell {
   PointMatch exchange(std::size_t p, const PointMatch& now) {
     PointMatch was;
     was.inverseDistance = std::exchange(mesh_.inverseDistance[p], now.inverseDistance);
+    was.uncertainty = std::exchange(mesh_.uncertainty[p], now.uncertainty);
     for (std::size_t i = 0; i < surfaces_.size(); ++i) {
       was.at.push_back(std::exchange(mesh_.match[i][p], now.at[i]));
       was.ratio.push_back(std::exchange(mesh_.ratio[i][p], now.ratio[i]));
@@ -99,10 +130,21 @@ class ExactCell {
   MorphMesh mesh_;
   std::span<const ExactSurface* const> surfaces_;
   const ExactMatchOptions& options_;
+  std::vector<Camera> cameras_;
+  Camera frame_;
   std::mt19937_64 random_;
   std::vector<std::vector<glm::uvec3>> around_;  // n
   std::size_t moved_ = 0;
 };
+
+// That a scene is not what was built from its photographs stays to be seen.
+std::string settingsWith(const std::string& settings, const ExactMatchOptions& options) {
+  using Json = nlohmann::ordered_json;
+  Json json = Json::parse(settings, nullptr, false);
+  if (!json.is_object()) json = Json::object();
+  json["exactMatches"] = {{"within", options.withinPx}, {"noise", options.noisePx}, {"seed", options.seed}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 }  // namespace
 
@@ -121,6 +163,7 @@ std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, cons
     moved[c] = cell.run();
     meshes[c] = std::move(cell.mesh());
   });
+  scene.settings = settingsWith(scene.settings, options);
   for (std::size_t c = 0; c < meshes.size(); ++c)
     if (moved[c] > 0) scene.cells[c].mesh = std::move(meshes[c]);
   return std::accumulate(moved.begin(), moved.end(), std::size_t(0));

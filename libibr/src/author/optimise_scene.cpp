@@ -88,15 +88,16 @@ class Optimiser {
             camera.height);
     }
     const CellToAlign input{views, cell};
-    const std::uint64_t key = alignmentKey(input, options_.alignment);
+    const bool keeps = !options_.finished.empty();
+    const std::uint64_t key = keeps ? alignmentKey(input, options_.alignment) : 0;
     std::optional<AlignedCell> kept;
-    if (!options_.finished.empty()) kept = fetchAligned(options_.finished, key);
+    if (keeps) kept = fetchAligned(options_.finished, key);
     AlignedCell done = kept ? std::move(*kept) : alignCell(input, optionsOfEach(), aligner_, [&](const Progress& p) {
       // Nobody knows how many cycles there will be: most often five or so.
       shareDone_[k] = double(p.done) / (p.total > 0 ? double(p.total) : double(p.done) + kUsualCycles);
       return !cancelled_.load();
     });
-    if (!kept && !options_.finished.empty()) storeAligned(options_.finished, key, done);
+    if (!kept && keeps) storeAligned(options_.finished, key, done);
     OptimisedCell& facts = done.facts;
     facts.resumed = kept.has_value();
     facts.cell = cells_[k];

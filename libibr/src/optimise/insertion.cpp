@@ -190,6 +190,12 @@ class Insertions {
       const auto after = agreementOf(pictures_, at, trial.after, options_.varianceFloor);
       trial.surplus = surplusOf(agreement(trial.before), after, options_.insertGain);
     });
+    // About those that moved the guard has been asked.
+    for (std::size_t k = 0; options_.guard && k < trials.size(); ++k) {
+      const auto point = std::uint32_t(n + k);
+      const std::vector<glm::ivec2> match = matchOf(at, point);
+      if (match == matchOf(grown.position, point) && !options_.guard(point, match)) trials[k].surplus = -1;
+    }
     found_ = std::move(at);
   }
 

@@ -157,6 +157,11 @@ TEST_CASE("exact matches are put back where they were") {
     right += mesh.inverseDistance[p] == Approx(exact.inverseDistance[p]).epsilon(1e-3);
   }
   CHECK(right >= moved);
+  std::size_t back = 0, disturbedPoints = 0;
+  for (std::size_t p = 0; p < mesh.pointCount(); p += 3, ++disturbedPoints)
+    back += glm::distance(mesh.match[1][p], exact.match[1][p]) < 0.02f;
+  CHECK(back > disturbedPoints / 2);
+  CHECK(made.scene.settings.find(R"("exactMatches":{"within":4.0,"noise":0.0,"seed":1})") != std::string::npos);
   CHECK(mesh.triangles == disturbed.triangles);
   CHECK(mesh.uncertainty == disturbed.uncertainty);
 }
@@ -192,6 +197,15 @@ TEST_CASE("noise on exact matches is even, the seed's own, and turns nothing ove
   CHECK(std::abs(sum / count) < 0.2);
   CHECK(std::sqrt(squares / count) == Approx(std::sqrt(3.0)).epsilon(0.1));  // 3 px/√3
   CHECK(matchAccuracy(scene, truth)[0].folded == 0);
+  // ρ is off, but hardly ever by more than three of the deviations that it states.
+  std::size_t off = 0, far = 0;
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+    const double error = std::abs(double(mesh.inverseDistance[p]) - double(exact.inverseDistance[p]));
+    off += error > 0.002 * double(exact.inverseDistance[p]);
+    far += error > 3 * double(mesh.uncertainty[p]) && mesh.match[1][p] != exact.match[1][p];
+  }
+  CHECK(off > 200);
+  CHECK(far < mesh.pointCount() / 20);
   CHECK(disturbed(3, 1, 2).cells[0].mesh.match == mesh.match);
   CHECK(disturbed(3, 2, 1).cells[0].mesh.match != mesh.match);
   CHECK(disturbed(20, 1, 1).cells[0].mesh.match[1] != mesh.match[1]);

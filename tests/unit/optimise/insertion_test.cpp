@@ -197,6 +197,16 @@ TEST_CASE("nothing is inserted where nothing is missing, or where there is nothi
     options.insertBelow = -0.5;
     CHECK(insert(ridges.alignment, options) == 0);
   }
+  SECTION("what the guard refuses, though it has not moved") {
+    auto planted = test::planted(2, kSide, kSquares, 0, 37);
+    for (Image8& picture : planted.pictures) picture = Image8(kSide, kSide, 3, 90);
+    AlignmentOptions options = anythingGoes();
+    REQUIRE(insert(planted.alignment, options) > 0);
+    options.guard = [](std::uint32_t, std::span<const glm::ivec2>) { return false; };
+    const std::size_t before = planted.alignment.inserted.size();
+    CHECK(insert(planted.alignment, options) == 0);
+    CHECK(planted.alignment.inserted.size() == before);
+  }
   SECTION("what the guard refuses") {
     Ridges ridges;
     AlignmentOptions options = optionsWith();
