@@ -6,6 +6,11 @@
 // (the source) and each other picture (a target): every pixel centre of the mean of the two meshes is one sample of
 // both photographs ([T] §3.6). Everything is counted in whole numbers, so each method gives the same sums on every
 // device, bit for bit; `cpu` and `compute` give the same mesh.
+//
+// What it is worth: views between photographs of a street whose truth is known have 28.35 dB (PSNR, covered) as they
+// were matched and 28.35 dB with exact matches: there is nothing to win. With matches off by up to 2 or 4 px they
+// have 26.51 and 24.30 dB, optimised 28.24 and 28.00 (`ibr accuracy --exact --noise`, `ibr optimise --rigidity 0`, `ibr
+// eval`).
 #pragma once
 
 #include <cstdint>
