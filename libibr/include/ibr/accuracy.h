@@ -51,8 +51,10 @@ struct ExactMatchOptions {
 /// Puts points of tier 0 where the surface that the first member sees there is in all members, with its ρ and a_i: a
 /// scene that shows what is lost because matches are wrong. With noise, ρ, a_i and uncertainty are triangulated from
 /// the disturbed matches alone: a scene that shows what an optimiser of matches wins back. The settings tell of both. A
-/// point stays where a triangle would turn over in a member, or a member's picture would be left; so does all else.
-/// Gives the number of points that moved. Throws as matchAccuracy(); then the scene is as it was.
+/// point stays as it is where a triangle would turn over in a member or in a mean of members, or a member's picture
+/// would be left; so do all other points, triangles and labels. Gives the number of points that moved. Throws as
+/// matchAccuracy(), and Error{invalidInput} where an option is out of range (withinPx > 0, noisePx 0 to 64); then the
+/// scene is as it was.
 std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, const ExactMatchOptions& options,
                             int threads = 0, const ProgressCallback& progress = {});
 

@@ -35,6 +35,8 @@ class ExactCell {
     random_.seed(seeds);
     for (const ExactSurface* surface : surfaces) cameras_.push_back(surface->camera());
     frame_ = meanFrame(cameras_);
+    constexpr double kFar = 1e6;  // standard deviation, in the scene's own inverse distances
+    for (const float rho : mesh.inverseDistance) noPrior_.deviation = std::max(noPrior_.deviation, kFar * double(rho));
     for (const glm::uvec3& t : mesh.triangles)
       for (int k = 0; k < 3; ++k) around_[t[k]].push_back(t);
   }
@@ -94,11 +96,8 @@ class ExactCell {
       match.at[i] += glm::vec2(x, y);
       pixels.emplace_back(match.at[i]);
     }
-    constexpr double kNoPrior = 1e6;  // standard deviation, in the scene's own inverse distances
-    const double largest = *std::ranges::max_element(mesh_.inverseDistance);
-    const RangePrior none{0, kNoPrior * std::max(largest, 1e-9)};
     const double deviation = std::max(kNoisePx, options_.noisePx / std::sqrt(3.0));
-    const Range range = triangulate(frame_, cameras_, pixels, none, deviation);
+    const Range range = triangulate(frame_, cameras_, pixels, noPrior_, deviation);
     match.inverseDistance = float(range.inverseDistance);
     match.uncertainty = float(range.uncertainty);
     for (std::size_t i = 0; i < match.ratio.size(); ++i) match.ratio[i] = float(range.ratio[i]);
@@ -132,6 +131,7 @@ class ExactCell {
   const ExactMatchOptions& options_;
   std::vector<Camera> cameras_;
   Camera frame_;
+  RangePrior noPrior_{0, 1e-3};
   std::mt19937_64 random_;
   std::vector<std::vector<glm::uvec3>> around_;  // n
   std::size_t moved_ = 0;

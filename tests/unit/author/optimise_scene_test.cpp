@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 #include <set>
+#include <stdexcept>
 
 #include "author/alignment_grid.h"
 #include "author/epipolar_direction.h"
@@ -103,47 +104,47 @@ Aligner moving(glm::ivec2 by, std::size_t every = 3, bool asks = true) {
   };
 }
 
-// Joins the other two corners of the first two triangles beside each other, whatever the photographs say.
-AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+// The first two triangles beside each other, by number: (from, to, c) and (to, from, d).
+struct Neighbours {
+  std::size_t s, t;
+  unsigned from, to, c, d;
+};
+Neighbours firstNeighbours(const Alignment& a) {
   for (std::size_t s = 0; s < a.triangles.size(); ++s)
     for (std::size_t t = 0; t < s; ++t)
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l) {
           const glm::uvec3 one = a.triangles[s], other = a.triangles[t];
-          const unsigned from = one[k], to = one[(k + 1) % 3], c = one[(k + 2) % 3], d = other[(l + 2) % 3];
-          if (other[l] != to || other[(l + 1) % 3] != from) continue;
-          a.triangles[s] = {from, d, c};
-          a.triangles[t] = {d, to, c};
-          return summaryOf(a);
+          const unsigned from = one[k], to = one[(k + 1) % 3];
+          if (other[l] == to && other[(l + 1) % 3] == from)
+            return {s, t, from, to, one[(k + 2) % 3], other[(l + 2) % 3]};
         }
-  FAIL("no two triangles share an edge");
+  throw std::logic_error("no two triangles share an edge");
+}
+
+// Joins their other two corners, whatever the photographs say.
+AlignmentSummary flipOne(Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
+  const auto [s, t, from, to, c, d] = firstNeighbours(a);
+  a.triangles[s] = {from, d, c};
+  a.triangles[t] = {d, to, c};
   return summaryOf(a);
 }
 
-// Splits the first two triangles beside each other in the middle of their edge, moved by `off` in picture 0.
+// Splits them in the middle of their edge, moved by `off` in picture 0.
 Aligner insertingOne(glm::ivec2 off) {
   return [off](Alignment& a, const AlignmentOptions&, const ProgressCallback&) {
-    for (std::size_t s = 0; s < a.triangles.size(); ++s)
-      for (std::size_t t = 0; t < s; ++t)
-        for (int k = 0; k < 3; ++k)
-          for (int l = 0; l < 3; ++l) {
-            const glm::uvec3 one = a.triangles[s], other = a.triangles[t];
-            const unsigned from = one[k], to = one[(k + 1) % 3], c = one[(k + 2) % 3], d = other[(l + 2) % 3];
-            if (other[l] != to || other[(l + 1) % 3] != from) continue;
-            const auto n = unsigned(a.position[0].size());
-            for (auto& at : a.position) at.push_back((at[from] + at[to]) / 2);
-            a.position[0][n] += off;
-            a.fixed.push_back(0);
-            a.inserted.push_back({{from, to, to}, {0.5, 0.5, 0}});
-            a.triangles[s] = {c, from, n};
-            a.triangles[t] = {d, to, n};
-            a.triangles.insert(a.triangles.end(), {{to, c, n}, {from, d, n}});
-            AlignmentSummary summary = summaryOf(a);
-            summary.starEccBefore.back() = std::nanf("");
-            return summary;
-          }
-    FAIL("no two triangles share an edge");
-    return summaryOf(a);
+    const auto [s, t, from, to, c, d] = firstNeighbours(a);
+    const auto n = unsigned(a.position[0].size());
+    for (auto& at : a.position) at.push_back((at[from] + at[to]) / 2);
+    a.position[0][n] += off;
+    a.fixed.push_back(0);
+    a.inserted.push_back({{from, to, to}, {0.5, 0.5, 0}});
+    a.triangles[s] = {c, from, n};
+    a.triangles[t] = {d, to, n};
+    a.triangles.insert(a.triangles.end(), {{to, c, n}, {from, d, n}});
+    AlignmentSummary summary = summaryOf(a);
+    summary.starEccBefore.back() = std::nanf("");
+    return summary;
   };
 }
 
