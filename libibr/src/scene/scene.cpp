@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "scene/faults.h"
 #include "scene/mesh_buffer.h"
 
 namespace ibr {
@@ -17,12 +18,6 @@ CellQuality::CellQuality() : coverage(std::numeric_limits<double>::quiet_NaN()),
 std::size_t MorphMesh::tier0Count() const {
   return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));
 }
-
-namespace {
-bool finite(glm::dvec3 v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-}  // namespace
 
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point) {
   const double inverseDistance = cell.mesh.inverseDistance[point];
@@ -38,40 +33,6 @@ std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, s
 }
 
 namespace {
-
-// Collects faults up to a limit.
-class Faults {
- public:
-  explicit Faults(std::size_t limit) : limit_(limit) {}
-  bool full() const { return list_.size() >= limit_; }
-  template <class... Args>
-  void add(std::string field, fmt::format_string<Args...> format, Args&&... args) {
-    if (!full()) list_.push_back({std::move(field), fmt::format(format, std::forward<Args>(args)...)});
-  }
-  std::vector<Fault> take() { return std::move(list_); }
-
- private:
-  std::size_t limit_;
-  std::vector<Fault> list_;
-};
-
-void checkNode(const Node& node, const std::string& at, Faults& faults) {
-  const Intrinsics& k = node.camera.intrinsics;
-  if (node.name.empty()) faults.add(at + ".name", "is empty");
-  constexpr int kLargest = 1 << 16;
-  if (k.width < 1 || k.height < 1 || k.width > kLargest || k.height > kLargest)
-    faults.add(at + ".camera.intrinsics", "size {}x{} is not within 1 to {}", k.width, k.height, kLargest);
-  if (k.model == CameraModel::pinhole) {
-    if (!(k.fx > 0) || !(k.fy > 0) || !std::isfinite(k.fx) || !std::isfinite(k.fy))
-      faults.add(at + ".camera.intrinsics", "focal lengths {} and {} are not positive", k.fx, k.fy);
-    if (!std::isfinite(k.cx) || !std::isfinite(k.cy))
-      faults.add(at + ".camera.intrinsics", "principal point ({}, {}) is not finite", k.cx, k.cy);
-  }
-  if (!finite(node.camera.pose.position)) faults.add(at + ".camera.pose.position", "is not finite");
-  const glm::dquat& q = node.camera.pose.rotation;
-  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!(std::abs(length - 1.0) <= 1e-3)) faults.add(at + ".camera.pose.rotation", "has length {}, not 1", length);
-}
 
 void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at, Faults& faults) {
   const std::size_t points = mesh.pointCount(), triangles = mesh.triangles.size();
@@ -154,7 +115,8 @@ std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
   std::set<std::string> names;
   for (std::size_t n = 0; n < scene.nodes.size() && !faults.full(); ++n) {
     const std::string at = fmt::format("nodes[{}]", n);
-    checkNode(scene.nodes[n], at, faults);
+    if (scene.nodes[n].name.empty()) faults.add(at + ".name", "is empty");
+    checkCamera(scene.nodes[n].camera, at + ".camera", faults);
     if (!names.insert(scene.nodes[n].name).second) faults.add(at + ".name", "\"{}\" stands twice", scene.nodes[n].name);
   }
   for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)

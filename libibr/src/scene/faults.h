@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is wrong with data that came from elsewhere, for validate().
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ibr/scene.h"
+
+namespace ibr {
+
+inline bool finite(glm::dvec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Collects faults up to a limit.
+class Faults {
+ public:
+  explicit Faults(std::size_t limit) : limit_(limit) {}
+  bool full() const { return list_.size() >= limit_; }
+  template <class... Args>
+  void add(std::string field, fmt::format_string<Args...> format, Args&&... args) {
+    if (!full()) list_.push_back({std::move(field), fmt::format(format, std::forward<Args>(args)...)});
+  }
+  std::vector<Fault> take() { return std::move(list_); }
+
+ private:
+  std::size_t limit_;
+  std::vector<Fault> list_;
+};
+
+/// Faults of sizes, intrinsics and pose; `at` is the field that holds the camera.
+void checkCamera(const Camera& camera, const std::string& at, Faults& faults);
+
+}  // namespace ibr
