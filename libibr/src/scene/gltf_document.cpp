@@ -23,7 +23,7 @@ std::size_t optionalCount(const JsonValue& json, const char* key) {
 }  // namespace
 
 GltfDocument::GltfDocument(const fs::path& file)
-    : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), json_(parseJson(readTextFile(file))) {
+    : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), json_(parse(file)) {
   if (const JsonValue version = root()["asset"]["version"]; !version.string().starts_with("2."))
     version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
   if (root().has("extensionsRequired"))
@@ -36,6 +36,34 @@ GltfDocument::GltfDocument(const fs::path& file)
     if (const JsonValue node = root()["nodes"].at(n); node.has("children"))
       for (std::size_t c = 0; c < node["children"].size(); ++c)
         children_.insert(&element("nodes", node["children"].at(c)).raw());
+}
+
+// A .glb is a header and two chunks, the JSON text and the first buffer; it tells itself by its first four bytes.
+nlohmann::json GltfDocument::parse(const fs::path& file) {
+  const std::vector<std::byte> bytes = readFile(file);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (!text.starts_with("glTF")) return parseJson(text);
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    if (at + sizeof value > bytes.size()) throw JsonFault("", "the binary file is cut short");
+    std::memcpy(&value, &bytes[at], sizeof value);
+    return value;
+  };
+  constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+  if (word(4) != 2) throw JsonFault("", fmt::format("version {} of a binary file is not known here", word(4)));
+  const auto chunk = [&](std::size_t at, std::uint32_t type, const char* what) {
+    if (word(at + 4) != type) throw JsonFault("", fmt::format("the binary file has no {} where it belongs", what));
+    if (word(at) > bytes.size() - at - kChunkHeader) throw JsonFault("", "the binary file is cut short");
+    return text.substr(at + kChunkHeader, word(at));
+  };
+  const std::string_view json = chunk(kHeader, kJson, "JSON text");
+  if (const std::size_t next = kHeader + kChunkHeader + json.size(); next < bytes.size()) {
+    const std::string_view binary = chunk(next, kBinary, "buffer");
+    const auto* first = reinterpret_cast<const std::byte*>(binary.data());
+    binaryChunk_.assign(first, first + binary.size());
+  }
+  return parseJson(json);
 }
 
 JsonValue GltfDocument::element(const char* list, const JsonValue& index) const {
@@ -76,7 +104,7 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
   if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
   if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
   Accessor result{
-      json, std::size_t(json["count"].integer(1, kLargestCount)), 1, component == kUnsignedShort ? 2u : 4u, {}};
+      json, std::size_t(json["count"].integer(1, kLargestCount)), 1, component == kUnsignedByte ? 1u : component == kUnsignedShort ? 2u : 4u, {}};
   if (const std::string_view name = type; name.starts_with("VEC")) result.components = std::size_t(name[3] - '0');
   const std::size_t size = result.components * result.componentBytes;
 
@@ -105,11 +133,17 @@ const std::vector<std::byte>& GltfDocument::buffer(const JsonValue& index) {
   const JsonValue json = element("buffers", index);
   if (&json.raw() == bufferJson_) return buffer_;
   const auto length = std::size_t(json["byteLength"].integer(1, kLargestCount));
-  const fs::path path = folder_ / reference(json["uri"]);
   bufferJson_ = nullptr;
-  buffer_ = readFile(path);
-  if (buffer_.size() < length)
-    json["byteLength"].fault(fmt::format("is {}, but {} has {} bytes", length, path.string(), buffer_.size()));
+  if (!json.has("uri") && !binaryChunk_.empty() && &json.raw() == &root()["buffers"].at(0).raw()) {
+    buffer_ = binaryChunk_;
+    if (buffer_.size() < length)
+      json["byteLength"].fault(fmt::format("is {}, but the file's chunk has {} bytes", length, buffer_.size()));
+  } else {
+    const fs::path path = folder_ / reference(json["uri"]);
+    buffer_ = readFile(path);
+    if (buffer_.size() < length)
+      json["byteLength"].fault(fmt::format("is {}, but {} has {} bytes", length, path.string(), buffer_.size()));
+  }
   buffer_.resize(length);
   bufferJson_ = &json.raw();
   return buffer_;

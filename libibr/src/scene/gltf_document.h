@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF 2.0 document and the buffers beside it. Nothing in them is trusted: every number is checked where it is read,
+// A glTF 2.0 document and the buffers beside it, or a .glb with both in one file. Nothing in them is trusted: every number is checked where it is read,
 // every file reference stays inside the document's folder, every accessor inside its buffer. Faults are JsonFaults,
 // files that cannot be read Error{io}.
 #pragma once
@@ -41,13 +41,15 @@ class GltfDocument {
   };
   /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` those allowed, of kFloat and so on. The last buffer is
   /// kept, so that accessors are best read buffer by buffer; not to be called from several threads.
-  static constexpr int kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+  static constexpr int kUnsignedByte = 5121, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
   Accessor accessor(const JsonValue& index, const char* type, std::initializer_list<int> componentTypes);
 
  private:
   const std::vector<std::byte>& buffer(const JsonValue& index);
+  nlohmann::json parse(const std::filesystem::path& file);
 
   std::filesystem::path folder_;
+  std::vector<std::byte> binaryChunk_;  // of a .glb
   nlohmann::json json_;
   std::set<const nlohmann::json*> children_;  // nodes that have a parent
   std::vector<std::byte> buffer_;
