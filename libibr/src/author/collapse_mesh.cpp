@@ -51,6 +51,25 @@ double CollapseMesh::area(std::uint32_t face) const {
   return 0.5 * glm::length(normal(mesh_.triangles[face]));
 }
 
+Quadric CollapseMesh::planesAt(std::uint32_t vertex) const {
+  Quadric sum;
+  const glm::dvec3 at = mesh_.positions[vertex];
+  for (const std::uint32_t f : facesAt_[vertex]) {
+    const glm::dvec3 product = normal(mesh_.triangles[f]);
+    const double length = glm::length(product);
+    if (!(length > 0)) continue;
+    sum.addPlane(product / length, at, length);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t other = mesh_.triangles[f][k];
+      if (other == vertex || facesBetween(mesh_, facesAt_[vertex], other) != 1) continue;
+      constexpr double kBorderWeight = 10;
+      const glm::dvec3 along = mesh_.positions[other] - at;
+      sum.addPlane(glm::normalize(glm::cross(along, product)), at, kBorderWeight * glm::dot(along, along));
+    }
+  }
+  return sum;
+}
+
 bool CollapseMesh::keepsTopology(std::uint32_t a, std::uint32_t b) const {
   const std::size_t shared = facesBetween(mesh_, facesAt_[a], b);
   if (a == b || shared < 1 || shared > 2) return false;

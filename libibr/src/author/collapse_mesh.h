@@ -25,6 +25,10 @@ class CollapseMesh {
   bool isBorder(std::uint32_t vertex) const;
   double area(std::uint32_t face) const;
 
+  /// The planes of the faces at a vertex, weighted by area, and along its border edges the planes upright on their
+  /// faces, which hold a border in its place.
+  Quadric planesAt(std::uint32_t vertex) const;
+
   /// Whether {a, b} is an edge whose collapse leaves a manifold of the same topology (the link condition: Dey,
   /// Edelsbrunner, Guha, Nekhayev, Topology preserving edge contraction, 1999).
   bool keepsTopology(std::uint32_t a, std::uint32_t b) const;

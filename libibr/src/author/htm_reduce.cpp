@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/htm_reduce.h"
 
-#include <array>
 #include <cmath>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <queue>
 #include <tuple>
@@ -33,7 +30,8 @@ class Reduction {
         versions_(mesh.positions.size(), 0),
         leastCosine_(std::cos(glm::radians(options.largestTurnDegrees))),
         firstCount_(mesh.triangles.size()) {
-    for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f) addFace(mesh, f);
+    for (std::uint32_t v = 0; v < quadrics_.size(); ++v) quadrics_[v] = mesh_.planesAt(v);
+    for (std::uint32_t f = 0; f < firstCount_; ++f) area_ += mesh_.area(f);
   }
 
   // A collapse that is refused now may become possible when the surroundings have changed: hence rounds, until one
@@ -56,35 +54,6 @@ class Reduction {
   std::size_t collapses = 0;
 
  private:
-  void addFace(const TriangleMesh& mesh, std::uint32_t f) {
-    const glm::uvec3 t = mesh.triangles[f];
-    const std::array<glm::dvec3, 3> p{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
-    const glm::dvec3 product = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const double length = glm::length(product);
-    area_ += 0.5 * length;
-    if (!(length > 0)) return;
-    const glm::dvec3 normal = product / length;
-    for (int k = 0; k < 3; ++k) quadrics_[t[k]].addPlane(normal, p[0], length);
-    // A border is held by planes through its edges, upright on the faces.
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (!isBorderEdge(mesh, a, b, f)) continue;
-      const glm::dvec3 along = mesh.positions[b] - mesh.positions[a];
-      const glm::dvec3 across = glm::cross(along, normal);
-      constexpr double kBorderWeight = 10;
-      for (const std::uint32_t v : {a, b})
-        quadrics_[v].addPlane(glm::normalize(across), mesh.positions[a], kBorderWeight * glm::dot(along, along));
-    }
-  }
-
-  bool isBorderEdge(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t face) const {
-    for (const std::uint32_t f : mesh_.facesAt(a)) {
-      const glm::uvec3& t = mesh.triangles[f];
-      if (f != face && (t.x == b || t.y == b || t.z == b)) return false;
-    }
-    return true;
-  }
-
   void offer(std::uint32_t vertex, bool onlyToLarger) {
     for (const std::uint32_t other : mesh_.neighbours(vertex))
       if (!onlyToLarger || other > vertex) offerEdge(std::min(vertex, other), std::max(vertex, other));
