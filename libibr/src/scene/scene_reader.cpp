@@ -13,6 +13,7 @@
 #include "ibr/scene.h"
 #include "image/ktx2.h"
 #include "scene/gltf_document.h"
+#include "scene/gltf_values.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
 
@@ -22,43 +23,11 @@ namespace {
 
 using Accessor = GltfDocument::Accessor;
 
-double positive(const JsonValue& value) {
-  const double number = value.number();
-  if (!(number > 0)) value.fault(fmt::format("{} is not positive", number));
-  return number;
-}
-
-double within(const JsonValue& value, double low, double high) {
-  const double number = value.number();
-  if (!(number >= low && number <= high)) value.fault(fmt::format("{} is not within {} to {}", number, low, high));
-  return number;
-}
-
-glm::dvec3 vector3(const JsonValue& value) {
-  if (value.size() != 3) value.fault("is not a list of three numbers");
-  return {value.at(0).number(), value.at(1).number(), value.at(2).number()};
-}
-
-glm::dquat quaternion(const JsonValue& value) {
-  if (value.size() != 4) value.fault("is not a list of four numbers");
-  const glm::dquat q(value.at(3).number(), value.at(0).number(), value.at(1).number(), value.at(2).number());
-  const double length = glm::length(q);
-  if (!(std::abs(length - 1.0) <= 1e-3)) value.fault(fmt::format("has length {}, not 1", length));
-  // Left alone where it is exact, so that what is written comes back bit for bit.
-  return std::abs(length - 1.0) <= 1e-15 ? q : q / length;
-}
-
 class Reader {
  public:
   explicit Reader(const fs::path& file) : gltf_(file) {}
 
-  JsonValue extension() const {
-    const JsonValue extension = gltf_.root()["extensions"][kSceneExtension];
-    if (const JsonValue version = extension["version"]; version.integer(1, INT32_MAX) > kSceneVersion)
-      version.fault(
-          fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), kSceneVersion));
-    return extension;
-  }
+  JsonValue extension() const { return extensionOf(gltf_, kSceneExtension, kSceneVersion); }
 
   void facts(Scene& scene) const {
     const JsonValue extension = this->extension();
@@ -79,17 +48,9 @@ class Reader {
 
   Node node(const JsonValue& entry) const {
     Node node;
-    const JsonValue json = gltf_.element("nodes", entry["node"]);
-    if (gltf_.hasParent(json))
-      entry["node"].fault(
-          fmt::format("{} is another node's child; a photograph's pose stands by itself", json.pointer()));
-    node.name = json["name"].string();
-    if (node.name.empty()) json["name"].fault("is empty");
-    for (const char* key : {"matrix", "scale"})
-      if (json.has(key)) json[key].fault("is not allowed: a camera has a position and a rotation");
-    if (json.has("translation")) node.camera.pose.position = vector3(json["translation"]);
-    if (json.has("rotation")) node.camera.pose.rotation = quaternion(json["rotation"]);
-    node.camera.intrinsics = intrinsics(entry["camera"]);
+    NamedCamera named = namedCamera(gltf_, entry);
+    node.name = std::move(named.name);
+    node.camera = named.camera;
     if (entry.has("image")) node.imageFile = gltf_.reference(gltf_.element("images", entry["image"])["uri"]);
     if (entry.has("texture")) node.textureFile = gltf_.reference(entry["texture"]["uri"]);
     return node;
@@ -121,24 +82,6 @@ class Reader {
   }
 
  private:
-  static Intrinsics intrinsics(const JsonValue& json) {
-    Intrinsics k;
-    const std::string model = json["model"].string();
-    if (model != "PINHOLE" && model != "EQUIRECTANGULAR")
-      json["model"].fault(fmt::format("\"{}\" is neither PINHOLE nor EQUIRECTANGULAR", model));
-    k.width = int(json["width"].integer(1, 1 << 16));
-    k.height = int(json["height"].integer(1, 1 << 16));
-    if (model == "EQUIRECTANGULAR") {
-      k.model = CameraModel::equirectangular;
-      return k;
-    }
-    k.fx = positive(json["fx"]);
-    k.fy = positive(json["fy"]);
-    k.cx = json["cx"].number();
-    k.cy = json["cy"].number();
-    return k;
-  }
-
   // Floats of one attribute, each checked.
   template <class Check>
   static std::vector<float> floats(const Accessor& a, std::size_t component, Check&& holds, const char* what) {
@@ -240,39 +183,6 @@ class Reader {
   }
 
   GltfDocument gltf_;
-};
-
-// Calls `step`; a fault is thrown as an Error, or kept where faults are collected.
-class FaultSink {
- public:
-  FaultSink(fs::path file, std::vector<Fault>* faults, std::size_t limit)
-      : file_(std::move(file)), faults_(faults), limit_(limit) {}
-
-  template <class Step>
-  bool run(Step&& step) {
-    try {
-      step();
-      return true;
-    } catch (const JsonFault& fault) {
-      if (!faults_)
-        fail(ErrorCode::invalidInput, "{}: {}{}{}", file_.string(), fault.pointer(),
-             fault.pointer().empty() ? "" : ": ", fault.what());
-      add(fault.pointer(), fault.what());
-    } catch (const Error& error) {
-      if (!faults_) throw;
-      add("", error.what());
-    }
-    return false;
-  }
-  void add(std::string field, std::string message) {
-    if (faults_->size() < limit_) faults_->push_back({std::move(field), std::move(message)});
-  }
-  bool full() const { return faults_ && faults_->size() >= limit_; }
-
- private:
-  fs::path file_;
-  std::vector<Fault>* faults_;
-  std::size_t limit_;
 };
 
 // Everything that can be read; cells are left out where nodes are at fault, since they refer to them.

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/gltf_writer.h"
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "scene/json_check.h"
+#include "scene/scene_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = GltfWriter::Json;
+
+// FNV-1a: names files by their contents, nothing more.
+std::uint64_t hashOf(std::span<const std::byte> bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::byte b : bytes) hash = (hash ^ std::uint64_t(b)) * 0x100000001b3;
+  return hash;
+}
+
+Json cameraOf(const Intrinsics& k, const std::string& name) {
+  constexpr double kNear = 0.01;  // glTF demands one; it means nothing here
+  return {{"name", name},
+          {"type", "perspective"},
+          {"perspective",
+           {{"aspectRatio", k.width / k.fx * k.fy / k.height},
+            {"yfov", 2.0 * std::atan(0.5 * k.height / k.fy)},
+            {"znear", kNear}}}};
+}
+
+// Of the outermost `levels` every entry has a line, the extension's lists too; what lies deeper stands in one line.
+void print(const Json& value, int levels, std::string& text) {
+  if (levels == 0 || !value.is_structured() || value.empty()) {
+    text += value.dump();
+    return;
+  }
+  const char* separator = value.is_array() ? "[\n" : "{\n";
+  for (const auto& [key, entry] : value.items()) {
+    text += separator;
+    separator = ",\n";
+    if (value.is_object()) text += Json(key).dump() + ": ";
+    print(entry, key == "extensions" ? 3 : levels - 1, text);
+  }
+  text += value.is_array() ? "\n]" : "\n}";
+}
+
+}  // namespace
+
+GltfWriter::GltfWriter(fs::path folder) : folder_(std::move(folder)) {
+  for (const char* list :
+       {"nodes", "cameras", "meshes", "buffers", "bufferViews", "accessors", "images", "textures", "materials"})
+    lists_[list] = Json::array();
+}
+
+std::size_t GltfWriter::add(const char* list, Json entry) {
+  lists_[list].push_back(std::move(entry));
+  return lists_[list].size() - 1;
+}
+
+std::size_t GltfWriter::addBuffer(const std::string& subfolder, const std::string& name,
+                                  std::span<const std::byte> bytes) {
+  const std::string file = fmt::format("{}/{}-{:016x}.bin", subfolder, name, hashOf(bytes));
+  writeFile(folder_ / file, bytes);
+  buffers_.insert(fs::path(file));
+  return add("buffers", {{"uri", file}, {"byteLength", bytes.size()}});
+}
+
+std::size_t GltfWriter::addAccessor(Array array, std::size_t count, int component, const char* type, int target) {
+  Json view{{"buffer", array.buffer}, {"byteOffset", array.offset}, {"byteLength", array.bytes}};
+  if (target) view["target"] = target;
+  return add("accessors", {{"bufferView", add("bufferViews", std::move(view))},
+                           {"componentType", component},
+                           {"count", count},
+                           {"type", type}});
+}
+
+void GltfWriter::addBounds(std::size_t accessor, std::span<const glm::vec3> positions) {
+  glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+  for (const glm::vec3& position : positions) {
+    low = glm::min(low, position);
+    high = glm::max(high, position);
+  }
+  entry("accessors", accessor)["min"] = {low.x, low.y, low.z};
+  entry("accessors", accessor)["max"] = {high.x, high.y, high.z};
+}
+
+std::size_t GltfWriter::addCameraNode(const std::string& name, const Camera& camera) {
+  glm::dquat q = camera.pose.rotation;
+  // Left alone where it is a unit quaternion already, so that saving what was loaded changes no bit.
+  if (const double length = glm::length(q); std::abs(length - 1.0) > 1e-15) q = q / length;
+  Json json{{"name", name}, {"translation", triple(camera.pose.position)}, {"rotation", {q.x, q.y, q.z, q.w}}};
+  if (camera.intrinsics.model == CameraModel::pinhole)
+    json["camera"] = add("cameras", cameraOf(camera.intrinsics, name));
+  return add("nodes", std::move(json));
+}
+
+Json GltfWriter::intrinsicsJson(const Intrinsics& k) {
+  Json camera{{"model", k.model == CameraModel::pinhole ? "PINHOLE" : "EQUIRECTANGULAR"},
+              {"width", k.width},
+              {"height", k.height}};
+  if (k.model == CameraModel::pinhole) camera.update({{"fx", k.fx}, {"fy", k.fy}, {"cx", k.cx}, {"cy", k.cy}});
+  return camera;
+}
+
+std::string GltfWriter::document(const char* extensionName, Json extension) {
+  Json gltf{{"asset", {{"version", "2.0"}, {"generator", "libibr"}}}};
+  gltf["extensionsUsed"] = Json::array({extensionName});
+  if (!lists_["materials"].empty()) gltf["extensionsUsed"].push_back("KHR_materials_unlit");
+  if (const std::size_t count = lists_["nodes"].size()) {
+    Json all = Json::array();
+    for (std::size_t n = 0; n < count; ++n) all.push_back(n);
+    gltf["scene"] = 0;
+    gltf["scenes"] = Json::array({Json{{"nodes", std::move(all)}}});
+  }
+  for (auto& [name, list] : lists_)
+    if (!list.empty()) gltf[name] = std::move(list);
+  gltf["extensions"] = {{extensionName, std::move(extension)}};
+  std::string text;
+  print(gltf, 2, text);
+  return text + '\n';
+}
+
+void GltfWriter::removeStaleBuffers(const std::string& subfolder) const {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / subfolder, ignored))
+    if (entry.path().extension() == ".bin" && !buffers_.contains(fs::path(subfolder) / entry.path().filename()))
+      fs::remove(entry.path(), ignored);
+}
+
+void demandUtf8(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
+  try {
+    Json(text).dump();
+  } catch (const Json::exception&) {
+    fail(ErrorCode::invalidInput, "{}: {} cannot be saved: {} is not UTF-8", folder.string(), what, field);
+  }
+}
+
+void demandInside(const fs::path& file, const fs::path& folder, const char* what, const std::string& field) {
+  const fs::path normal = file.lexically_normal();
+  check(file.empty() || (file.is_relative() && normal != "." && *normal.begin() != ".."), ErrorCode::invalidInput,
+        "{}: {} cannot be saved: {} \"{}\" leads outside the {}'s folder", folder.string(), what, field, file.string(),
+        what);
+}
+
+void demandJson(const std::string& text, const fs::path& folder, const char* what, const std::string& field) {
+  try {
+    if (!text.empty()) parseJson(text);
+  } catch (const JsonFault& fault) {
+    fail(ErrorCode::invalidInput, "{}: {} cannot be saved: {} {} {}", folder.string(), what, field, fault.pointer(),
+         fault.what());
+  }
+}
+
+}  // namespace ibr

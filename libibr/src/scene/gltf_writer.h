@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Grows a glTF 2.0 document with buffers beside it: what the writers of scenes and of harmonised models share.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+#include <string>
+
+#include "ibr/camera.h"
+
+namespace ibr {
+
+class GltfWriter {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  static constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;  // component types
+  static constexpr int kVertices = 34962, kIndices = 34963;                        // buffer view targets
+  static constexpr int kPoints = 0, kTriangles = 4;                                // primitive modes
+
+  /// Buffers are written below `folder` at once.
+  explicit GltfWriter(std::filesystem::path folder);
+
+  /// Index of the new entry of a top-level list.
+  std::size_t add(const char* list, Json entry);
+  Json& entry(const char* list, std::size_t index) { return lists_[list][index]; }
+
+  /// Writes subfolder/NAME-HASH.bin, HASH that of the contents: a file is never overwritten by other contents.
+  std::size_t addBuffer(const std::string& subfolder, const std::string& name, std::span<const std::byte> bytes);
+
+  struct Array {
+    std::size_t buffer, offset, bytes;
+  };
+  std::size_t addAccessor(Array array, std::size_t count, int component, const char* type, int target = 0);
+
+  /// The smallest and largest of the positions that an accessor holds.
+  void addBounds(std::size_t accessor, std::span<const glm::vec3> positions);
+
+  /// A node with the pose and, for a pinhole, a camera. The exact intrinsics belong into an extension: intrinsicsJson.
+  std::size_t addCameraNode(const std::string& name, const Camera& camera);
+  static Json intrinsicsJson(const Intrinsics& intrinsics);
+
+  static Json triple(glm::dvec3 v) { return {v.x, v.y, v.z}; }
+
+  /// The document's text; lists and the extension's lists have a line for each entry.
+  std::string document(const char* extensionName, Json extension);
+
+  /// Removes the .bin files in a subfolder that this document does not use: those of what was saved there before.
+  void removeStaleBuffers(const std::string& subfolder) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::map<std::string, Json> lists_;
+  std::set<std::filesystem::path> buffers_;
+};
+
+/// What texts and file names must be to stand in a document in `folder`; `what` and `field` are for the message. Throw
+/// Error{invalidInput}.
+void demandUtf8(const std::string& text, const std::filesystem::path& folder, const char* what,
+                const std::string& field);
+void demandInside(const std::filesystem::path& file, const std::filesystem::path& folder, const char* what,
+                  const std::string& field);
+/// "" or JSON text.
+void demandJson(const std::string& text, const std::filesystem::path& folder, const char* what,
+                const std::string& field);
+
+}  // namespace ibr
