@@ -9,11 +9,13 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 namespace ibr::shader {
 using glm::mat3;
+using glm::mat4;
 using glm::uvec2;
 using glm::uvec3;
 using glm::vec2;

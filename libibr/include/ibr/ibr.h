@@ -8,6 +8,8 @@
 #include "ibr/ecc_pass.h"
 #include "ibr/error.h"
 #include "ibr/gpu_scene.h"
+#include "ibr/htm.h"
+#include "ibr/htm_model.h"
 #include "ibr/image.h"
 #include "ibr/log.h"
 #include "ibr/metrics.h"

@@ -69,7 +69,9 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
       .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
       .depthTestEnable = info.depthTest || depthOnly,
       .depthWriteEnable = info.depthWrite || depthOnly,
-      .depthCompareOp = depthOnly ? VK_COMPARE_OP_ALWAYS : VK_COMPARE_OP_LESS};
+      .depthCompareOp = depthOnly && !info.depthTest ? VK_COMPARE_OP_ALWAYS
+                        : info.depthEqual            ? VK_COMPARE_OP_LESS_OR_EQUAL
+                                                     : VK_COMPARE_OP_LESS};
   std::array<VkPipelineColorBlendAttachmentState, kMostColours> replace{};
   for (VkPipelineColorBlendAttachmentState& state : replace)
     state.colorWriteMask =

@@ -29,9 +29,10 @@ struct GraphicsPipelineInfo {
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkRenderPass renderPass = VK_NULL_HANDLE;    // subpass 0, one colour attachment; or else
   std::span<const VkFormat> colourFormats;     // of dynamic rendering
-  VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written untested
+  VkFormat depthFormat = VK_FORMAT_UNDEFINED;  // likewise; without colours depth is written, untested but for depthTest
   bool attachments = true;                     // false: dynamic rendering without any; fragments only store
-  bool depthTest = false;                      // passes where less
+  bool depthTest = false;                      // passes where less,
+  bool depthEqual = false;                     // or where equal too
   bool depthWrite = false;
   bool depthClamp = false;
 };

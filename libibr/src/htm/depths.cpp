@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+
+#include "gpu/barrier.h"
+#include "gpu/descriptors.h"
+#include "gpu/pipeline.h"
+#include "gpu/submit.h"
+#include "htm/gpu_model.h"
+#include "htm/projection.h"
+#include "shaders/htm_depth_frag.h"
+#include "shaders/htm_depth_vert.h"
+#include "shared/htm.h"
+
+namespace ibr {
+namespace {
+
+ImageViewHandle layerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
+  const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                   .image = image.get(),
+                                   .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                   .format = image.info().format,
+                                   .subresourceRange = {image.info().aspect, 0, 1, layer, 1}};
+  return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
+}
+
+}  // namespace
+
+void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
+  const std::array<VkDescriptorSetLayoutBinding, 2> bindings{
+      {{shader::kBindingHtmPositions, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
+       {shader::kBindingHtmTriangles, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr}}};
+  const DescriptorSetLayoutHandle setLayout = makeSetLayout(device, bindings);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
+  const DescriptorPoolHandle pool = makeDescriptorPool(device, 1, {&size, 1});
+  const VkDescriptorSet set = allocateSet(device, pool.get(), setLayout.get());
+  writeStorageBuffer(device, set, shader::kBindingHtmPositions, model.positions.get());
+  writeStorageBuffer(device, set, shader::kBindingHtmTriangles, model.triangles.get());
+  const VkPushConstantRange constants{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(shader::HtmFrame)};
+  const VkDescriptorSetLayout layouts[]{setLayout.get()};
+  const PipelineLayoutHandle layout = makePipelineLayout(device, layouts, {&constants, 1});
+  constexpr VkFormat kNearestFormat = VK_FORMAT_D32_SFLOAT;
+  const VkFormat format = model.depths.info().format;
+  const PipelineHandle pipeline = makeGraphicsPipeline(device, {.name = "camera depths",
+                                                                .vertex = shaders::htm_depth_vert,
+                                                                .fragment = shaders::htm_depth_frag,
+                                                                .layout = layout.get(),
+                                                                .colourFormats = {&format, 1},
+                                                                .depthFormat = kNearestFormat,
+                                                                .depthTest = true,
+                                                                .depthWrite = true});
+  const GpuImage nearest(device,
+                         {.format = kNearestFormat,
+                          .extent = model.depths.info().extent,
+                          .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                          .aspect = VK_IMAGE_ASPECT_DEPTH_BIT},
+                         "nearest surface of a harmonised model");
+  std::vector<ImageViewHandle> views;
+  for (std::uint32_t i = 0; i < model.cameras.size(); ++i) views.push_back(layerView(device, model.depths, i));
+
+  submitAndWait(device, [&](VkCommandBuffer commands) {
+    transition(commands, model.depths.get(), use::kUndefined, use::kColourAttachment);
+    transition(commands, nearest.get(), use::kUndefined, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.get(), 0, 1, &set, 0, nullptr);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const Intrinsics& k = model.cameras[i].intrinsics;
+      VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+      colour.imageView = views[i].get();
+      colour.imageLayout = use::kColourAttachment.layout;
+      colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // 0: infinitely far
+      colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+      VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+      depth.imageView = nearest.view();
+      depth.imageLayout = use::kDepthAttachment.layout;
+      depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+      depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+      depth.clearValue.depthStencil = {1.0f, 0};
+      VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+      rendering.renderArea = {{0, 0}, model.depths.info().extent};
+      rendering.layerCount = 1;
+      rendering.colorAttachmentCount = 1;
+      rendering.pColorAttachments = &colour;
+      rendering.pDepthAttachment = &depth;
+      vkCmdBeginRendering(commands, &rendering);
+      const VkViewport viewport{0, 0, float(k.width), float(k.height), 0, 1};
+      const VkRect2D scissor{{0, 0}, {std::uint32_t(k.width), std::uint32_t(k.height)}};
+      vkCmdSetViewport(commands, 0, 1, &viewport);
+      vkCmdSetScissor(commands, 0, 1, &scissor);
+      shader::HtmFrame frame{};
+      frame.clip = htmClip(htmProjection(model.cameras[i], model.bounds.middle), k, model.nearDistance[i]);
+      vkCmdPushConstants(commands, layout.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof frame, &frame);
+      if (model.triangleCount > 0) vkCmdDraw(commands, 3 * model.triangleCount, 1, 0, 0);
+      vkCmdEndRendering(commands);
+      transition(commands, nearest.get(), use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+    }
+    transition(commands, model.depths.get(), use::kColourAttachment, use::kSampled);
+  });
+}
+
+}  // namespace ibr

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws the mesh into the caller's image ([H] Algorithm 9). Depth alone comes first, so that colours are computed once
+// a pixel.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "gpu/gpu_image.h"
+#include "gpu/handle.h"
+#include "htm/frame_set.h"
+
+namespace ibr {
+
+class HtmDrawPass {
+ public:
+  HtmDrawPass(const Device& device, const HtmFrameSet& set, const HtmRendererOptions& options);
+
+  /// Outside a render pass, after HtmCoordinatesPass::record.
+  void record(VkCommandBuffer commands, const HtmFrameSet& set, const HtmFramePlan& plan,
+              const Target& target) const noexcept;
+
+ private:
+  enum Shading : std::size_t { kDisplaced, kPlain, kColours, kShadingCount };
+  struct Format {
+    VkFormat format;
+    std::array<PipelineHandle, kShadingCount> pipelines;
+  };
+
+  GpuImage depth_;
+  PipelineHandle depthPipeline_;
+  std::vector<Format> formats_;
+};
+
+}  // namespace ibr

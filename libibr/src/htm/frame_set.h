@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What all passes of a frame are bound to: the model's buffers and images, and those that a frame fills.
+#pragma once
+
+#include "gpu/buffer.h"
+#include "gpu/handle.h"
+#include "htm/gpu_model.h"
+#include "shared/htm.h"
+
+namespace ibr {
+
+class HtmFrameSet {
+ public:
+  HtmFrameSet(const Device& device, const GpuHtmModel::State& model);
+
+  /// Writes the plan's cameras; waits for earlier frames' reads and makes its writes visible. Outside a render pass.
+  /// Precondition: the plan has a camera.
+  void update(VkCommandBuffer commands, const HtmFramePlan& plan) const noexcept;
+
+  /// Binds the set and pushes the frame for compute or graphics pipelines of `layout()`.
+  void bind(VkCommandBuffer commands, VkPipelineBindPoint point, const shader::HtmFrame& frame) const noexcept;
+  /// The constants of a plan.
+  shader::HtmFrame frame(const HtmFramePlan& plan) const noexcept;
+
+  VkPipelineLayout layout() const noexcept { return layout_.get(); }
+  const GpuHtmModel::State& model() const noexcept { return *model_; }
+  const Buffer& displacements() const noexcept { return displacements_; }
+
+ private:
+  const GpuHtmModel::State* model_;
+  Buffer cameras_, displacements_, colours_;
+  DescriptorSetLayoutHandle setLayout_;
+  DescriptorPoolHandle pool_;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  PipelineLayoutHandle layout_;
+};
+
+}  // namespace ibr

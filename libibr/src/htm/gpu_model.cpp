@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "htm/gpu_model.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <span>
+
+#include "base/check.h"
+#include "gpu/upload.h"
+#include "htm/projection.h"
+#include "image/mips.h"
+
+namespace ibr {
+namespace {
+
+Buffer upload(const Device& device, std::span<const std::byte> bytes, const char* name, Uploader& uploader) {
+  const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
+  check(bytes.size() <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}",
+        name, bytes.size(), most);
+  Buffer buffer(device, std::max<std::size_t>(bytes.size(), 4),
+                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, name);
+  if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
+  return buffer;
+}
+
+// RGBA of the page's size: beyond the picture its border goes on.
+Image8 padded(const HtmPicture& picture, VkExtent2D page) {
+  const Image8& photograph = picture.photograph;
+  Image8 out(int(page.width), int(page.height), 4);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const int fromX = std::min(x, photograph.width - 1), fromY = std::min(y, photograph.height - 1);
+      const auto to = out.pixel(x, y);
+      std::ranges::copy(photograph.pixel(fromX, fromY).first(3), to.begin());
+      to[3] = picture.visibility.empty() ? 255 : picture.visibility.pixel(fromX, fromY)[0];
+    }
+  return out;
+}
+
+void checkPicture(const HtmPicture& picture, const HtmCamera& camera) {
+  const int width = camera.camera.intrinsics.width, height = camera.camera.intrinsics.height;
+  const auto fits = [&](const char* what, const Image8& image, bool channels) {
+    check(image.width == width && image.height == height && channels, ErrorCode::invalidInput,
+          "camera '{}': its {} is {}x{} with {} channels, not {}x{} {}", camera.name, what, image.width, image.height,
+          image.channels, width, height, image.channels == 1 ? "in colour" : "in grey");
+  };
+  fits("photograph", picture.photograph, picture.photograph.channels == 3 || picture.photograph.channels == 4);
+  if (!picture.visibility.empty()) fits("visibility", picture.visibility, picture.visibility.channels == 1);
+}
+
+// Half of the nearest corner's depth; a thousandth of the farthest's at least.
+double nearDistanceOf(const HtmModel& model, const Camera& camera, const glm::dvec3& middle) {
+  const glm::dvec4 depthOf = htmProjection(camera, middle).depthOf;
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
+  for (const glm::uvec3& triangle : model.surface.mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const double depth = glm::dot(depthOf, glm::dvec4(model.surface.mesh.positions[triangle[c]] - middle, 1));
+      farthest = std::max(farthest, depth);
+      if (depth > 0) nearest = std::min(nearest, depth);
+    }
+  return farthest > 0 ? std::max(0.5 * nearest, 1e-3 * farthest) : 1.0;
+}
+
+SamplerHandle makeSampler(const Device& device, VkFilter filter, VkSamplerMipmapMode mips) {
+  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  info.magFilter = info.minFilter = filter;
+  info.mipmapMode = mips;
+  info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  info.maxLod = VK_LOD_CLAMP_NONE;
+  return make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler");
+}
+
+VkFilter depthFilter(const Device& device) {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(device.physicalDevice(), VK_FORMAT_R32_SFLOAT, &properties);
+  const bool linear = properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+  return linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
+}
+
+const HtmModel& checked(const HtmModel& model) {
+  const std::vector<Fault> faults = validate(model, 1);
+  if (!faults.empty()) fail(ErrorCode::invalidInput, "{} {}", faults[0].field, faults[0].message);
+  return model;
+}
+
+}  // namespace
+
+GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictureSource& source,
+                          const GpuHtmModelOptions& options)
+    : bounds(htmBounds(checked(model))),
+      vertexCount(std::uint32_t(model.vertexCount())),
+      triangleCount(std::uint32_t(model.surface.mesh.triangles.size())),
+      hasComplements(!model.complements.empty()) {
+  for (const HtmCamera& camera : model.cameras) {
+    cameras.push_back(camera.camera);
+    nearDistance.push_back(nearDistanceOf(model, camera.camera, bounds.middle));
+  }
+  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  photographSampler = makeSampler(
+      device, VK_FILTER_LINEAR,
+      options.trilinear.value_or(!software) ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST);
+  depthSampler = makeSampler(device, depthFilter(device), VK_SAMPLER_MIPMAP_MODE_NEAREST);
+  uploadMesh(device, model);
+  uploadPhotographs(device, model, source);
+  drawHtmDepths(device, *this);
+}
+
+void GpuHtmModel::State::uploadMesh(const Device& device, const HtmModel& model) {
+  std::vector<glm::vec3> relative;
+  for (const glm::dvec3& position : model.surface.mesh.positions) relative.emplace_back(position - bounds.middle);
+  Uploader uploader(device);
+  positions = upload(device, std::as_bytes(std::span(relative)), "positions", uploader);
+  triangles = upload(device, std::as_bytes(std::span(model.surface.mesh.triangles)), "triangles", uploader);
+  static_assert(std::endian::native == std::endian::little);  // a CameraSet is a uvec2
+  members = upload(device, std::as_bytes(std::span(model.surface.members)), "members", uploader);
+  complements = upload(device, std::as_bytes(std::span(model.complements)), "complements", uploader);
+  uploader.flush();
+}
+
+void GpuHtmModel::State::uploadPhotographs(const Device& device, const HtmModel& model,
+                                           const HtmPictureSource& source) {
+  VkExtent2D page{1, 1};
+  for (const Camera& camera : cameras) {
+    page.width = std::max(page.width, std::uint32_t(camera.intrinsics.width));
+    page.height = std::max(page.height, std::uint32_t(camera.intrinsics.height));
+  }
+  const auto layers = std::uint32_t(cameras.size());
+  photographs = GpuImage(device,
+                         {.format = VK_FORMAT_R8G8B8A8_UNORM,
+                          .extent = page,
+                          .layers = layers,
+                          .mipLevels = std::uint32_t(std::bit_width(std::max(page.width, page.height))),
+                          .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                          .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+                         "photographs of a harmonised model");
+  depths = GpuImage(device,
+                    {.format = VK_FORMAT_R32_SFLOAT,
+                     .extent = page,
+                     .layers = layers,
+                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                     .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+                    "depths of a harmonised model");
+  Uploader uploader(device);
+  for (std::uint32_t i = 0; i < layers; ++i) {
+    const HtmPicture picture = source(model, i);
+    checkPicture(picture, model.cameras[i]);
+    const std::vector<Image8> mips = buildMips(padded(picture, page));
+    for (std::uint32_t level = 0; level < mips.size(); ++level)
+      uploader.image(photographs, i, level, {std::uint32_t(mips[level].width), std::uint32_t(mips[level].height)},
+                     std::as_bytes(std::span(mips[level].values)));
+  }
+  uploader.flush();
+}
+
+GpuHtmModel::GpuHtmModel(Device& device, const HtmModel& model, const HtmPictureSource& source,
+                         const GpuHtmModelOptions& options)
+    : state_(std::make_unique<State>(device, model, source, options)) {}
+GpuHtmModel::GpuHtmModel(GpuHtmModel&&) noexcept = default;
+GpuHtmModel& GpuHtmModel::operator=(GpuHtmModel&&) noexcept = default;
+GpuHtmModel::~GpuHtmModel() = default;
+
+GpuHtmModel::Memory GpuHtmModel::memory() const noexcept {
+  const State& s = *state_;
+  return {.mesh = s.positions.allocatedBytes() + s.triangles.allocatedBytes() + s.members.allocatedBytes(),
+          .complements = s.complements.allocatedBytes(),
+          .photographs = s.photographs.allocatedBytes(),
+          .depths = s.depths.allocatedBytes()};
+}
+
+}  // namespace ibr

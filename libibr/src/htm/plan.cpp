@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+
+#include "base/check.h"
+#include "htm/weights.h"
+#include "ibr/htm.h"
+#include "scene/faults.h"
+
+namespace ibr {
+namespace {
+
+void checkInput(const HtmInput& input) {
+  Faults faults(1);
+  checkCamera(input.view, "view", faults);
+  const std::vector<Fault> found = faults.take();
+  if (!found.empty()) fail(ErrorCode::invalidInput, "{} {}", found[0].field, found[0].message);
+  check(input.view.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "view.intrinsics is no pinhole");
+  const HtmSettings& s = input.settings;
+  const auto inRange = [](const char* name, bool holds, double value) {
+    check(holds, ErrorCode::invalidInput, "settings.{} is {}", name, value);
+  };
+  inRange("gamma (1 to 1000)", s.gamma >= 1 && s.gamma <= 1000, s.gamma);
+  inRange("weightCut (0 to below 1)", s.weightCut >= 0 && s.weightCut < 1, s.weightCut);
+  inRange("depthTolerance (above 0)", s.depthTolerance > 0 && std::isfinite(s.depthTolerance), s.depthTolerance);
+  inRange("smoothSeconds (0 or more)", s.smoothSeconds >= 0, s.smoothSeconds);
+}
+
+glm::dvec3 directionOf(const Pose& pose, const HtmBounds& bounds, HtmDirection direction) {
+  const glm::dvec3 towards = bounds.middle - pose.position;
+  // From within a thousandth of the radius "towards the middle" means nothing.
+  const bool aimed = direction == HtmDirection::middle && glm::length(towards) > 1e-3 * bounds.radius;
+  return aimed ? towards : viewAxis(pose);
+}
+
+// The share of its way to where it should be that a weight goes in this frame.
+double shareOfWay(const HtmInput& input) {
+  if (input.settings.smoothSeconds == 0) return 1;
+  return 1 - std::exp(-std::max(input.dtSeconds, 0.0) / input.settings.smoothSeconds);
+}
+
+}  // namespace
+
+HtmBounds htmBounds(const HtmModel& model) {
+  const TriangleMesh& mesh = model.surface.mesh;
+  if (mesh.triangles.empty()) return {};
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  const auto eachCorner = [&](const auto& visit) {
+    for (const glm::uvec3& triangle : mesh.triangles)
+      for (int c = 0; c < 3; ++c) visit(mesh.positions[triangle[c]]);
+  };
+  eachCorner([&](const glm::dvec3& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  });
+  HtmBounds bounds{0.5 * low + 0.5 * high, 0};
+  eachCorner([&](const glm::dvec3& p) { bounds.radius = std::max(bounds.radius, glm::length(p - bounds.middle)); });
+  if (!(bounds.radius > 0)) bounds.radius = 1;  // all corners in one point
+  return bounds;
+}
+
+HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
+                          const HtmState& state) {
+  checkInput(input);
+  HtmFramePlan plan{.view = input.view, .settings = input.settings, .bounds = bounds, .cameras = {}, .next = {}};
+  std::vector<glm::dvec3> directions;
+  for (const HtmCamera& camera : model.cameras)
+    directions.push_back(directionOf(camera.camera.pose, bounds, input.settings.direction));
+  std::vector<double> logs =
+      htmLogWeights(directions, directionOf(input.view.pose, bounds, input.settings.direction), input.settings.gamma);
+  if (state.logWeights.size() == logs.size()) {
+    const double share = shareOfWay(input);
+    for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::lerp(state.logWeights[i], logs[i], share);
+    const double largest = *std::ranges::max_element(logs);
+    for (double& log : logs) log -= largest;
+  }
+
+  for (std::uint32_t i = 0; i < logs.size(); ++i)
+    if (!(input.settings.exclude >> i & 1)) plan.cameras.push_back({i, logs[i], 0});
+  std::ranges::stable_sort(plan.cameras, std::greater(), &PlannedHtmCamera::logWeight);
+  const double best = plan.cameras.empty() ? 0 : plan.cameras.front().logWeight;
+  double rest = -std::numeric_limits<double>::infinity();  // from the least upwards, so that nothing underflows
+  for (std::size_t k = plan.cameras.size(); k-- > 0;) {
+    double& log = plan.cameras[k].logWeight;
+    log -= best;
+    plan.cameras[k].logRest = rest;
+    rest = log + std::log1p(std::exp(rest - log));
+  }
+  plan.next.logWeights = std::move(logs);
+  return plan;
+}
+
+HtmModel baselineModel(const HtmModel& model) {
+  HtmModel baseline = model;
+  if (model.source) baseline.surface = *model.source;
+  baseline.complements.clear();
+  baseline.source.reset();
+  return baseline;
+}
+
+}  // namespace ibr

@@ -1,0 +1,44 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// Harmonised texture coordinates ([H] eq. 6): for vertex v and camera i the mean over the vertex's cameras j of the
+// complement v̂^{i←j} − o^i, weighted by eq. 5. A vertex without members is not displaced.
+//
+// A thread a vertex, a row of groups a planned camera i: threads beside each other read complements beside each other.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "shared/htm.h"
+#include "htm/htm_blend.glsl"
+
+layout(local_size_x = kHtmGroupSize) in;
+
+layout(set = 0, binding = kBindingHtmMembers, scalar) readonly buffer Members {
+  uvec2 members[];
+};
+layout(set = 0, binding = kBindingHtmComplements, scalar) readonly buffer Complements {
+  vec2 complements[];
+};
+layout(set = 0, binding = kBindingHtmCameras, scalar) readonly buffer Cameras {
+  HtmCameraParameters cameras[];
+};
+layout(set = 0, binding = kBindingHtmDisplacements, scalar) writeonly buffer Displacements {
+  vec2 displacements[];
+};
+layout(push_constant, scalar) uniform Frame {
+  HtmFrame frame;
+};
+
+void main() {
+  const uint v = gl_GlobalInvocationID.x, i = gl_WorkGroupID.y;
+  if (v >= frame.vertexCount) return;
+  const uvec2 mine = members[v];
+  const uint first = cameras[i].camera * frame.cameraCount * frame.vertexCount + v;
+  HtmBlend mean = htmNothing();
+  bool settled = false;
+  for (uint j = 0u; j < frame.plannedCount && !settled; ++j) {
+    const uint camera = cameras[j].camera;
+    const float share = htmHas(mine, camera) ? 1.0 : 0.0;
+    htmAdd(mean, cameras[j].log2Weight, share, vec3(complements[first + camera * frame.vertexCount], 0.0));
+    settled = htmSettled(mean, cameras[j].log2Rest, frame.cut);
+  }
+  displacements[i * frame.vertexCount + v] = mean.sum.w > 0.0 ? mean.sum.xy / mean.sum.w : vec2(0.0);
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "ibr/error.h"
+#include "ibr/htm.h"
+#include "support/bumpy_model.h"
+#include "support/error_of.h"
+
+namespace ibr::test {
+namespace {
+
+const BumpyModel& bumpy() {
+  static const BumpyModel made = bumpyModel({.cameras = 12, .width = 32, .height = 24});
+  return made;
+}
+
+HtmFramePlan planFor(const Camera& view, const HtmSettings& settings = {}, const HtmState& state = {}, double dt = 0) {
+  return planHtmFrame(bumpy().model, htmBounds(bumpy().model), {view, settings, dt}, state);
+}
+
+Camera viewAt(double angle) {
+  return ringCamera(bumpy().options, angle);
+}
+
+}  // namespace
+
+TEST_CASE("a plan has all cameras that are not excluded, best first", "[htm]") {
+  const HtmFramePlan plan = planFor(viewAt(0.4), {.exclude = 0b100});
+  REQUIRE(plan.cameras.size() == 11);
+  CHECK(plan.cameras[0].camera == 1);
+  CHECK(plan.cameras[0].logWeight == 0);
+  for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
+    CHECK(plan.cameras[k].camera != 2);
+    if (k > 0) CHECK(plan.cameras[k].logWeight <= plan.cameras[k - 1].logWeight);
+    double rest = 0;
+    for (std::size_t m = k + 1; m < plan.cameras.size(); ++m)
+      rest += std::exp(plan.cameras[m].logWeight - plan.cameras[k].logWeight);
+    if (k + 1 < plan.cameras.size())
+      CHECK(plan.cameras[k].logRest - plan.cameras[k].logWeight == Approx(std::log(rest)).margin(1e-9));
+    else
+      CHECK(plan.cameras[k].logRest == -std::numeric_limits<double>::infinity());
+  }
+  // The best may be excluded too: the next best is then the measure.
+  CHECK(planFor(viewAt(0.4), {.exclude = 0b10}).cameras[0].logWeight == 0);
+  CHECK(planFor(viewAt(0.4), {.exclude = ~CameraSet(0)}).cameras.empty());
+}
+
+TEST_CASE("turning a camera about its centre changes weights by axis only", "[htm]") {
+  const Camera view = viewAt(0.4);
+  Camera turned = view;
+  turned.pose.rotation = turned.pose.rotation * glm::angleAxis(0.3, glm::dvec3(0, 1, 0));
+  const auto logs = [](const Camera& camera, HtmDirection direction) {
+    return planFor(camera, {.direction = direction}).next.logWeights;
+  };
+  CHECK(logs(view, HtmDirection::middle) == logs(turned, HtmDirection::middle));
+  CHECK(logs(view, HtmDirection::axis) != logs(turned, HtmDirection::axis));
+  // Where all look at the middle, both are [H]'s.
+  const auto around = [&](HtmDirection direction) {
+    return planHtmFrame(bumpy().model, {bumpy().options.middle, 0.5}, {view, {.direction = direction}}).next.logWeights;
+  };
+  const std::vector<double> a = around(HtmDirection::middle), b = around(HtmDirection::axis);
+  for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == Approx(b[i]).margin(1e-6));
+}
+
+TEST_CASE("a view in the middle of the mesh has an axis all the same", "[htm]") {
+  Camera view = viewAt(0.4);
+  view.pose.position = htmBounds(bumpy().model).middle;
+  for (const double log : planFor(view).next.logWeights) CHECK(std::isfinite(log));
+}
+
+TEST_CASE("weights follow the view with a time constant", "[htm]") {
+  const HtmSettings settings{.smoothSeconds = 0.5};
+  const std::vector<double> from = planFor(viewAt(0)).next.logWeights, to = planFor(viewAt(2)).next.logWeights;
+  // Nothing before: at once.
+  CHECK(planFor(viewAt(2), settings).next.logWeights == to);
+  HtmState state{from};
+  CHECK(planFor(viewAt(2), settings, state, 0).next.logWeights == from);
+  double distance = 1e9;
+  for (int frame = 0; frame < 40; ++frame) {
+    state = planFor(viewAt(2), settings, state, 0.1).next;
+    CHECK(*std::ranges::max_element(state.logWeights) == 0);
+    double now = 0;
+    for (std::size_t i = 0; i < to.size(); ++i) now = std::max(now, std::abs(state.logWeights[i] - to[i]));
+    CHECK(now <= distance);
+    distance = now;
+  }
+  CHECK(distance < 0.5);
+  // A state of another model is none.
+  CHECK(planFor(viewAt(2), settings, {{0, 0}}, 0.1).next.logWeights == to);
+}
+
+TEST_CASE("a plan names what is wrong with its input", "[htm]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto message = [](const HtmSettings& settings) {
+    return std::string(errorOf([&] { planFor(viewAt(0), settings); }).what());
+  };
+  for (const double gamma : {0.0, 0.99, 1001.0, -50.0, nan})
+    CHECK_THAT(message({.gamma = gamma}), Catch::Contains("gamma"));
+  for (const double cut : {-0.1, 1.0, nan}) CHECK_THAT(message({.weightCut = cut}), Catch::Contains("weightCut"));
+  for (const double tolerance : {0.0, -1.0, nan, HUGE_VAL})
+    CHECK_THAT(message({.depthTolerance = tolerance}), Catch::Contains("depthTolerance"));
+  for (const double seconds : {-1.0, nan})
+    CHECK_THAT(message({.smoothSeconds = seconds}), Catch::Contains("smoothSeconds"));
+  Camera view = viewAt(0);
+  view.intrinsics.fx = nan;
+  CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("view"));
+  view = viewAt(0);
+  view.intrinsics = {CameraModel::equirectangular, 64, 32};
+  CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("pinhole"));
+}
+
+TEST_CASE("bounds hold the mesh", "[htm]") {
+  const HtmBounds bounds = htmBounds(bumpy().model);
+  for (const glm::dvec3& position : bumpy().model.surface.mesh.positions)
+    CHECK(glm::length(position - bounds.middle) <= bounds.radius);
+  HtmModel empty;
+  CHECK(htmBounds(empty).radius > 0);
+  empty.surface.mesh = {{{1, 2, 3}}, {{0, 0, 0}}};
+  CHECK(htmBounds(empty).radius > 0);
+  CHECK(htmBounds(empty).middle == glm::dvec3(1, 2, 3));
+}
+
+TEST_CASE("a baseline is the source mesh without complements", "[htm]") {
+  HtmModel model = bumpy().model;
+  CHECK(baselineModel(model).surface.mesh == model.surface.mesh);
+  model.source = HtmSurface{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {1, 1, 1}};
+  const HtmModel baseline = baselineModel(model);
+  CHECK(baseline.surface.mesh == model.source->mesh);
+  CHECK(baseline.complements.empty());
+  CHECK(validate(baseline).empty());
+}
+
+}  // namespace ibr::test
