@@ -11,8 +11,10 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/command.h"
+#include "batch/model_info.h"
 #include "batch/table.h"
 #include "batch/unused.h"
+#include "ibr/asset.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "scene/memory_demand.h"
@@ -96,6 +98,11 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
 }
 
 ExitCode showScene(const Options& options, const Context& context) {
+  if (assetKind(options.scene) == AssetKind::htmModel) {
+    check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
+          "{} is a harmonised model: --explain and --svg are for scenes", options.scene);
+    return showModel(options.scene, context);
+  }
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
   const std::vector<TextureFormat> formats = formatsOf(scene, context);
@@ -192,20 +199,19 @@ ExitCode showScene(const Options& options, const Context& context) {
 
 }  // namespace
 
-const Command kInfoCommand{.name = "info",
-                           .summary = "Shows what a scene holds, how good it is and what memory it takes",
-                           .examples = "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg",
-                           .details = "",
-                           .afterInterrupt = "",
-                           .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
-                             const auto options = std::make_shared<Options>();
-                             app.add_option("SCENE", options->scene, "Scene folder, or its scene.gltf")->required();
-                             app.add_flag("--explain", options->explain,
-                                          "Also say which stages of the renderer this scene needs, and why");
-                             app.add_option("--svg", options->svg,
-                                            "Also draw the image graph: cameras, cells by their score, what is unused")
-                                 ->type_name("FILE");
-                             return [options](const Context& context) { return showScene(*options, context); };
-                           }};
+const Command kInfoCommand{
+    .name = "info",
+    .summary = "Shows what a scene or a harmonised model holds and what memory it takes",
+    .examples = "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model",
+    .details = "",
+    .afterInterrupt = "",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Folder of a scene or a model, or its .gltf")->required();
+      app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
+      app.add_option("--svg", options->svg, "Also draw the image graph: cameras, cells by their score, what is unused")
+          ->type_name("FILE");
+      return [options](const Context& context) { return showScene(*options, context); };
+    }};
 
 }  // namespace ibr::app

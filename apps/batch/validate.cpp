@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/command.h"
+#include "ibr/asset.h"
+#include "ibr/htm_model.h"
 #include "ibr/scene.h"
 
 namespace ibr::app {
@@ -14,7 +16,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostFaults = 1000;
 
 ExitCode validateFiles(const std::string& scene, const Context& context) {
-  const auto faults = validateSceneFiles(scene, kMostFaults);
+  const bool isModel = assetKind(scene) == AssetKind::htmModel;
+  const auto faults = isModel ? validateHtmModelFiles(scene, kMostFaults) : validateSceneFiles(scene, kMostFaults);
   Json report{{"scene", scene}, {"faults", Json::array()}};
   for (const Fault& fault : faults) {
     context.print("{}: {}\n", fault.field, fault.message);
@@ -31,15 +34,16 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
 
 }  // namespace
 
-const Command kValidateCommand{.name = "validate",
-                               .summary = "Lists every fault of a scene, with its place",
-                               .examples = "ibr validate scene\nibr validate scene --json faults.json",
-                               .details = "Exit code 3 where there is a fault.",
-                               .afterInterrupt = "",
-                               .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
-                                 const auto scene = std::make_shared<std::string>();
-                                 app.add_option("SCENE", *scene, "Scene folder, or its scene.gltf")->required();
-                                 return [scene](const Context& context) { return validateFiles(*scene, context); };
-                               }};
+const Command kValidateCommand{
+    .name = "validate",
+    .summary = "Lists every fault of a scene or a harmonised model, with its place",
+    .examples = "ibr validate scene\nibr validate scene --json faults.json\nibr validate model",
+    .details = "Exit code 3 where there is a fault.",
+    .afterInterrupt = "",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto scene = std::make_shared<std::string>();
+      app.add_option("SCENE", *scene, "Folder of a scene or a model, or its .gltf")->required();
+      return [scene](const Context& context) { return validateFiles(*scene, context); };
+    }};
 
 }  // namespace ibr::app

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// write_example_scene FOLDER: for the validators that are not ours (JSON Schema, glTF).
+// write_example_scene FOLDER: FOLDER/scene and FOLDER/model, for the validators that are not ours (JSON Schema, glTF).
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
+#include "example_model.h"
 #include "example_scene.h"
 
 int main(int count, char** arguments) try {
@@ -10,7 +12,9 @@ int main(int count, char** arguments) try {
     std::cerr << "usage: write_example_scene FOLDER\n";
     return 1;
   }
-  ibr::test::writeExampleScene(arguments[1]);
+  const std::filesystem::path folder = arguments[1];
+  ibr::test::writeExampleScene(folder / "scene");
+  ibr::test::writeExampleModel(folder / "model");
   return 0;
 } catch (const std::exception& e) {
   std::cerr << e.what() << '\n';

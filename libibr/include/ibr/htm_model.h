@@ -65,4 +65,17 @@ struct HtmModel {
 /// members among the cameras. Files are not looked at.
 std::vector<Fault> validate(const HtmModel& model, std::size_t limit = 100);
 
+/// Reads MODEL/model.gltf, or the .gltf itself (extension IBR_harmonised_texture), and the buffers beside it; pictures
+/// are not read. Throws Error{io}, or Error{invalidInput} with file and JSON pointer.
+HtmModel loadHtmModel(const std::filesystem::path& path);
+
+/// Writes FOLDER/model.gltf and FOLDER/meshes/*.bin; pictures must be put there by the caller. Positions are rounded to
+/// a grid of 2⁻²³ of the mesh's extent, everything else comes back bit by bit. Buffers of an earlier model there are
+/// removed. Throws Error{invalidInput} where validate() finds a fault, a mesh has no triangle or a text is not UTF-8;
+/// Error{io}.
+void saveHtmModel(const HtmModel& model, const std::filesystem::path& folder);
+
+/// Every fault of a model's files, at most `limit`; `field` is a JSON pointer.
+std::vector<Fault> validateHtmModelFiles(const std::filesystem::path& path, std::size_t limit = 100);
+
 }  // namespace ibr

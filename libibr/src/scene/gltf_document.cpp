@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "ibr/error.h"
+#include "scene/htm_model_file.h"
 #include "scene/scene_file.h"
 
 namespace ibr {
@@ -28,8 +29,9 @@ GltfDocument::GltfDocument(const fs::path& file)
     version.fault(fmt::format("\"{}\" is not a version of glTF 2", version.string()));
   if (root().has("extensionsRequired"))
     for (std::size_t i = 0; i < root()["extensionsRequired"].size(); ++i)
-      if (const JsonValue name = root()["extensionsRequired"].at(i);
-          name.string() != kSceneExtension && name.string() != "KHR_materials_unlit")
+      if (const JsonValue name = root()["extensionsRequired"].at(i); name.string() != kSceneExtension &&
+                                                                     name.string() != kHtmModelExtension &&
+                                                                     name.string() != "KHR_materials_unlit")
         name.fault(fmt::format("the extension \"{}\" is required and not known here", name.string()));
   if (!root().has("nodes")) return;
   for (std::size_t n = 0; n < root()["nodes"].size(); ++n)
@@ -103,8 +105,13 @@ GltfDocument::Accessor GltfDocument::accessor(const JsonValue& index, const char
     json["componentType"].fault(fmt::format("{} is not allowed here", component));
   if (json.has("sparse")) json["sparse"].fault("sparse accessors are not read");
   if (json.has("normalized") && json["normalized"].raw() != false) json["normalized"].fault("is not allowed here");
-  Accessor result{
-      json, std::size_t(json["count"].integer(1, kLargestCount)), 1, component == kUnsignedByte ? 1u : component == kUnsignedShort ? 2u : 4u, {}};
+  Accessor result{json,
+                  std::size_t(json["count"].integer(1, kLargestCount)),
+                  1,
+                  component == kUnsignedByte    ? 1u
+                  : component == kUnsignedShort ? 2u
+                                                : 4u,
+                  {}};
   if (const std::string_view name = type; name.starts_with("VEC")) result.components = std::size_t(name[3] - '0');
   const std::size_t size = result.components * result.componentBytes;
 
