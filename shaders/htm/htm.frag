@@ -17,8 +17,8 @@ layout(constant_id = 1) const bool kDisplaced = true;  // HtmMethod::harmonised
 layout(set = 0, binding = kBindingHtmTriangles, scalar) readonly buffer Triangles {
   uvec3 triangles[];
 };
-layout(set = 0, binding = kBindingHtmMembers, scalar) readonly buffer Members {
-  uvec2 members[];
+layout(set = 0, binding = kBindingHtmRanked, scalar) readonly buffer Ranked {
+  uvec2 ranked[];
 };
 layout(set = 0, binding = kBindingHtmCameras, scalar) readonly buffer Cameras {
   HtmCameraParameters cameras[];
@@ -40,12 +40,13 @@ layout(location = 0) out vec4 outColour;
 void main() {
   const uvec3 corner = triangles[inTriangle];
   const vec3 share = vec3(1.0 - inShare.x - inShare.y, inShare);
-  const uvec2 members0 = members[corner.x], members1 = members[corner.y], members2 = members[corner.z];
+  const uvec2 members0 = ranked[corner.x], members1 = ranked[corner.y], members2 = ranked[corner.z];
   const vec4 position = vec4(inPosition, 1.0);
   const vec2 texel = 1.0 / vec2(textureSize(photographs, 0).xy);
   HtmBlend seen = htmNothing(), hidden = htmNothing();
   bool settled = false;
-  for (uint k = 0u; k < frame.plannedCount && !settled; ++k) {
+  for (uvec2 left = members0 | members1 | members2; htmAny(left) && !settled; left = htmWithoutFirst(left)) {
+    const uint k = htmFirst(left);
     const uint camera = cameras[k].camera;
     const float depth = dot(cameras[k].depthOf, position);
     const float inFront = max(depth, 0.5 * cameras[k].nearDistance);  // nothing of the mesh lies between them
@@ -59,8 +60,7 @@ void main() {
     // To its last half pixel a picture counts in full.
     const vec2 border = 2.0 * min(at, cameras[k].size - at);
     const float inside = depth == inFront ? clamp(min(border.x, border.y), 0.0, 1.0) : 0.0;
-    const float takesPart = dot(share, vec3(htmHas(members0, camera), htmHas(members1, camera),
-                                            htmHas(members2, camera)));
+    const float takesPart = dot(share, vec3(htmHas(members0, k), htmHas(members1, k), htmHas(members2, k)));
     const float level = log2(cameras[k].detail / (gl_FragCoord.w * inFront));
     const vec4 read = textureLod(photographs, vec3(at * texel, camera), level);
     const float nearest = 1.0 / max(textureLod(depths, vec3(projected * texel, camera), 0.0).r, 1e-30);

@@ -25,3 +25,15 @@ bool htmSettled(HtmBlend blend, float log2Rest, float cut) {
 bool htmHas(uvec2 members, uint camera) {
   return ((camera < 32u ? members.x >> camera : members.y >> (camera - 32u)) & 1u) != 0u;
 }
+
+bool htmAny(uvec2 members) {
+  return (members.x | members.y) != 0u;
+}
+
+uint htmFirst(uvec2 members) {  // of some
+  return members.x != 0u ? uint(findLSB(members.x)) : 32u + uint(findLSB(members.y));
+}
+
+uvec2 htmWithoutFirst(uvec2 members) {
+  return members.x != 0u ? uvec2(members.x & (members.x - 1u), members.y) : uvec2(0u, members.y & (members.y - 1u));
+}

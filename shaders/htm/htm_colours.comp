@@ -12,8 +12,8 @@ layout(local_size_x = kHtmGroupSize) in;
 layout(set = 0, binding = kBindingHtmPositions, scalar) readonly buffer Positions {
   vec3 positions[];
 };
-layout(set = 0, binding = kBindingHtmMembers, scalar) readonly buffer Members {
-  uvec2 members[];
+layout(set = 0, binding = kBindingHtmRanked, scalar) readonly buffer Ranked {
+  uvec2 ranked[];
 };
 layout(set = 0, binding = kBindingHtmCameras, scalar) readonly buffer Cameras {
   HtmCameraParameters cameras[];
@@ -29,12 +29,13 @@ layout(push_constant, scalar) uniform Frame {
 void main() {
   const uint v = gl_GlobalInvocationID.x;
   if (v >= frame.vertexCount) return;
-  const uvec2 mine = members[v];
+  uvec2 left = ranked[v];
   const vec4 position = vec4(positions[v], 1.0);
   const vec2 texel = 1.0 / vec2(textureSize(photographs, 0).xy);
   HtmBlend mean = htmNothing();
   bool settled = false;
-  for (uint k = 0u; k < frame.plannedCount && !settled; ++k) {
+  for (; htmAny(left) && !settled; left = htmWithoutFirst(left)) {
+    const uint k = htmFirst(left);
     const uint camera = cameras[k].camera;
     const float depth = dot(cameras[k].depthOf, position);
     const float inFront = max(depth, 0.5 * cameras[k].nearDistance);
@@ -42,7 +43,7 @@ void main() {
     const vec2 border = 2.0 * min(at, cameras[k].size - at);
     const float inside = depth == inFront ? clamp(min(border.x, border.y), 0.0, 1.0) : 0.0;
     const vec3 read = textureLod(photographs, vec3(at * texel, camera), 0.0).rgb;
-    htmAdd(mean, cameras[k].log2Weight, htmHas(mine, camera) ? inside : 0.0, read);
+    htmAdd(mean, cameras[k].log2Weight, inside, read);
     settled = htmSettled(mean, cameras[k].log2Rest, frame.cut);
   }
   colours[v] = mean.sum.w > 0.0 ? vec4(mean.sum.rgb / mean.sum.w, 1.0) : vec4(0.0);

@@ -11,8 +11,8 @@
 
 layout(local_size_x = kHtmGroupSize) in;
 
-layout(set = 0, binding = kBindingHtmMembers, scalar) readonly buffer Members {
-  uvec2 members[];
+layout(set = 0, binding = kBindingHtmRanked, scalar) readonly buffer Ranked {
+  uvec2 ranked[];
 };
 layout(set = 0, binding = kBindingHtmComplements, scalar) readonly buffer Complements {
   vec2 complements[];
@@ -30,14 +30,13 @@ layout(push_constant, scalar) uniform Frame {
 void main() {
   const uint v = gl_GlobalInvocationID.x, i = gl_WorkGroupID.y;
   if (v >= frame.vertexCount) return;
-  const uvec2 mine = members[v];
+  uvec2 left = ranked[v];
   const uint first = cameras[i].camera * frame.cameraCount * frame.vertexCount + v;
   HtmBlend mean = htmNothing();
   bool settled = false;
-  for (uint j = 0u; j < frame.plannedCount && !settled; ++j) {
-    const uint camera = cameras[j].camera;
-    const float share = htmHas(mine, camera) ? 1.0 : 0.0;
-    htmAdd(mean, cameras[j].log2Weight, share, vec3(complements[first + camera * frame.vertexCount], 0.0));
+  for (; htmAny(left) && !settled; left = htmWithoutFirst(left)) {
+    const uint j = htmFirst(left);
+    htmAdd(mean, cameras[j].log2Weight, 1.0, vec3(complements[first + cameras[j].camera * frame.vertexCount], 0.0));
     settled = htmSettled(mean, cameras[j].log2Rest, frame.cut);
   }
   displacements[i * frame.vertexCount + v] = mean.sum.w > 0.0 ? mean.sum.xy / mean.sum.w : vec2(0.0);

@@ -17,7 +17,8 @@ IBR_CONSTANT int kBindingHtmDisplacements = 5;  // vec2[planned · n_v]: what eq
 IBR_CONSTANT int kBindingHtmColours = 6;        // vec4[n_v]: of HtmMethod::vertexColours
 IBR_CONSTANT int kBindingHtmPhotographs = 7;    // a layer a camera, alpha is visibility
 IBR_CONSTANT int kBindingHtmDepths = 8;         // a layer a camera, as large: inverse depth of the mesh, else 0
-IBR_CONSTANT int kHtmBindingCount = 9;
+IBR_CONSTANT int kBindingHtmRanked = 9;         // uvec2[n_v]: members, bit k the k-th camera of the plan
+IBR_CONSTANT int kHtmBindingCount = 10;
 
 IBR_CONSTANT int kHtmGroupSize = 64;  // vertices
 

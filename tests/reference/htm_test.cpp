@@ -73,7 +73,8 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
   const HtmStage stage(std::move(bumpy));
   for (const double gamma : {1.0, 50.0, 1000.0})
     for (const double angle : {0.0, 0.5, 3.0}) {
-      const HtmFramePlan plan = stage.plan(ringCamera({}, angle), {.gamma = gamma});
+      // What is cut off at a sum that is just so large is a matter of rounding.
+      const HtmFramePlan plan = stage.plan(ringCamera({}, angle), {.gamma = gamma, .weightCut = 0});
       const HtmFrameSet set(testDevice(), stage.gpuModel().state());
       const HtmCoordinatesPass pass(testDevice(), set);
       submitAndWait(testDevice(), [&](VkCommandBuffer commands) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame computes for each vertex: harmonised coordinates ([H] eq. 6), or for HtmMethod::vertexColours its
-// colour.
+// What a frame computes for each vertex: its members in the plan's order, and harmonised coordinates ([H] eq. 6), or
+// for HtmMethod::vertexColours its colour.
 #pragma once
 
 #include "gpu/handle.h"
@@ -17,7 +17,7 @@ class HtmCoordinatesPass {
   void record(VkCommandBuffer commands, const HtmFrameSet& set, const HtmFramePlan& plan) const noexcept;
 
  private:
-  PipelineHandle harmonise_, colours_;
+  PipelineHandle rank_, harmonise_, colours_;
 };
 
 /// Whether photographs are read elsewhere than where a vertex is projected.

@@ -37,6 +37,7 @@ HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) 
   cameras_ = Buffer(device, count * sizeof(shader::HtmCameraParameters), kUsage, MemoryKind::device, "planned cameras");
   displacements_ = Buffer(device, count * vertices * sizeof(glm::vec2), kUsage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                           MemoryKind::device, "harmonised displacements");
+  ranked_ = Buffer(device, vertices * sizeof(glm::uvec2), kUsage, MemoryKind::device, "members in a plan's order");
   colours_ = Buffer(device, vertices * sizeof(glm::vec4), kUsage, MemoryKind::device, "vertex colours");
 
   std::array<VkDescriptorSetLayoutBinding, shader::kHtmBindingCount> bindings{};
@@ -57,6 +58,7 @@ HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) 
   writeStorageBuffer(device, set_, shader::kBindingHtmCameras, cameras_.get());
   writeStorageBuffer(device, set_, shader::kBindingHtmDisplacements, displacements_.get());
   writeStorageBuffer(device, set_, shader::kBindingHtmColours, colours_.get());
+  writeStorageBuffer(device, set_, shader::kBindingHtmRanked, ranked_.get());
   writeSampledImage(device, set_, shader::kBindingHtmPhotographs, model.photographSampler.get(),
                     model.photographs.view());
   writeSampledImage(device, set_, shader::kBindingHtmDepths, model.depthSampler.get(), model.depths.view());

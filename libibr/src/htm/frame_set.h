@@ -28,7 +28,7 @@ class HtmFrameSet {
 
  private:
   const GpuHtmModel::State* model_;
-  Buffer cameras_, displacements_, colours_;
+  Buffer cameras_, ranked_, displacements_, colours_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
