@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "batch/context.h"
 
@@ -32,10 +33,12 @@ struct Command {
   const char* afterInterrupt;
   /// Declares options and gives what runs after they were parsed. Throws Error.
   std::function<ExitCode(const Context&)> (*declare)(CLI::App&);
+  /// A group instead: it declares nothing and one of these must follow its name.
+  std::span<const Command* const> commands = {};
 };
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
     kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand, kOptimiseCommand,
-    kSweepCommand;
+    kSweepCommand, kHtmCommand;
 
 }  // namespace ibr::app

@@ -18,20 +18,9 @@ namespace ibr::app {
 namespace {
 
 constexpr std::array kCommands{
-    &kBuildCommand,
-    &kOptimiseCommand,
-    &kSweepCommand,
-    &kInfoCommand,
-    &kValidateCommand,
-    &kRenderCommand,
-    &kEvalCommand,
-    &kAccuracyCommand,
-    &kWalkCommand,
-    &kCompareCommand,
-    &kBenchCommand,
-    &kSynthCommand,
-    &kSplitCommand,
-    &kDeviceCommand,
+    &kBuildCommand,  &kOptimiseCommand, &kSweepCommand,    &kInfoCommand, &kValidateCommand,
+    &kRenderCommand, &kEvalCommand,     &kAccuracyCommand, &kWalkCommand, &kCompareCommand,
+    &kBenchCommand,  &kSynthCommand,    &kSplitCommand,    &kHtmCommand,  &kDeviceCommand,
 };
 
 ExitCode exitCodeOf(ErrorCode code) {
@@ -83,9 +72,30 @@ ExitCode complain(std::string_view what, ExitCode code) {
 
 struct Declared {
   const Command* command;
+  std::string words;  // as they are typed after "ibr"
   CLI::App* app;
-  std::function<ExitCode(const Context&)> action;
+  std::function<ExitCode(const Context&)> action;  // of a group: none
+
+  std::string before() const {  // what is typed before its name
+    return ("ibr " + words).substr(0, words.size() + 3 - std::string_view(command->name).size());
+  }
 };
+
+// A group comes after its commands: the first that was parsed is what was meant.
+void declare(CLI::App& parent, const std::string& before, const Command& command, CommonOptions& common,
+             std::vector<Declared>& all) {
+  CLI::App* sub = parent.add_subcommand(command.name, command.summary);
+  sub->set_version_flag("--version", "ibr " IBR_VERSION);
+  Declared declared{&command, before + command.name, sub, {}};
+  for (const Command* further : command.commands) declare(*sub, declared.words + ' ', *further, common, all);
+  if (command.commands.empty()) {
+    declared.action = command.declare(*sub);
+    declareCommon(*sub, common);
+  } else {
+    sub->require_subcommand(1);
+  }
+  all.push_back(std::move(declared));
+}
 
 ExitCode run(int argc, char** argv) {
   CLI::App app(
@@ -99,12 +109,7 @@ ExitCode run(int argc, char** argv) {
   app.require_subcommand(1);
   CommonOptions common;
   std::vector<Declared> all;
-  for (const Command* command : kCommands) {
-    CLI::App* sub = app.add_subcommand(command->name, command->summary);
-    sub->set_version_flag("--version", "ibr " IBR_VERSION);
-    all.push_back({command, sub, command->declare(*sub)});
-    declareCommon(*sub, common);
-  }
+  for (const Command* command : kCommands) declare(app, "", *command, common, all);
   const auto chosen = [&]() -> const Declared* {
     const auto found = std::ranges::find_if(all, [](const Declared& d) { return d.app->parsed(); });
     return found == all.end() ? nullptr : &*found;
@@ -115,7 +120,7 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::CallForHelp&) {
     const Declared* sub = chosen();
     if (sub) sub->app->description(helpText(*sub->command));
-    std::fputs((sub ? sub->app->help("ibr") : app.help()).c_str(), stdout);
+    std::fputs((sub ? sub->app->help(sub->before()) : app.help()).c_str(), stdout);
     flushResults();
     return kExitOk;
   } catch (const CLI::CallForVersion& e) {
@@ -127,7 +132,7 @@ ExitCode run(int argc, char** argv) {
     const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
     return complain(fmt::format("{}\nibr: ibr {}--help shows what there is",
                                 unknown ? fmt::format("'{}' is no command", argv[1]) : std::string(e.what()),
-                                sub ? sub->command->name + std::string(" ") : std::string()),
+                                sub ? sub->words + ' ' : std::string()),
                     kExitCommandLine);
   }
 

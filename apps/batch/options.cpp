@@ -88,4 +88,18 @@ CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, 
       ->type_name("WxH");
 }
 
+CLI::Option* addAutoPath(CLI::App& app, int& frames) {
+  return app
+      .add_option_function<std::string>(
+          "--path",
+          [&frames](const std::string& text) {
+            const std::string prefix = "auto:";
+            if (!text.starts_with(prefix))
+              throw CLI::ValidationError("--path", "'" + text + "' is not of the form auto:N");
+            frames = int(parsedInt("--path", text.substr(prefix.size()), 1, 1'000'000));
+          },
+          "N views between and slightly beyond the photographs")
+      ->type_name("auto:N");
+}
+
 }  // namespace ibr::app

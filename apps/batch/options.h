@@ -34,6 +34,9 @@ struct PictureSize {
 };
 CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, const std::string& description);
 
+/// --path auto:N: how many views of a path that is made from the photographs.
+CLI::Option* addAutoPath(CLI::App& app, int& frames);
+
 /// One of a few words.
 template <class T>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, T& value, std::vector<std::pair<std::string, T>> choices,

@@ -156,17 +156,7 @@ const Command kRenderCommand{
       app.add_option("SCENE", options->scene, "Scene folder")->required();
       auto* poses =
           app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, or a camera path")->type_name("FILE|DIR");
-      auto* path = app.add_option_function<std::string>(
-                          "--path",
-                          [options](const std::string& text) {
-                            const std::string prefix = "auto:";
-                            if (!text.starts_with(prefix))
-                              throw CLI::ValidationError("--path", "'" + text + "' is not of the form auto:N");
-                            options->autoFrames = int(parsedInt("--path", text.substr(prefix.size()), 1, 1'000'000));
-                          },
-                          "N views between and slightly beyond the photographs")
-                       ->type_name("auto:N");
-      poses->excludes(path);
+      poses->excludes(addAutoPath(app, options->autoFrames));
       app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
           ->required()
           ->type_name("DIR");
