@@ -98,10 +98,10 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
 }
 
 ExitCode showScene(const Options& options, const Context& context) {
-  if (assetKind(options.scene) == AssetKind::htmModel) {
+  if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
     check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
-          "{} is a harmonised model: --explain and --svg are for scenes", options.scene);
-    return showModel(options.scene, context);
+          "{} is no scene: --explain and --svg are for scenes", options.scene);
+    return *kind == AssetKind::htmModel ? showModel(options.scene, context) : showSequence(options.scene, context);
   }
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
@@ -201,13 +201,15 @@ ExitCode showScene(const Options& options, const Context& context) {
 
 const Command kInfoCommand{
     .name = "info",
-    .summary = "Shows what a scene or a harmonised model holds and what memory it takes",
-    .examples = "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model",
+    .summary = "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes",
+    .examples =
+        "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model\nibr info video",
     .details = "",
     .afterInterrupt = "",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Folder of a scene or a model, or its .gltf")->required();
+      app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, or its .gltf or sequence.json")
+          ->required();
       app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
       app.add_option("--svg", options->svg, "Also draw the image graph: cameras, cells by their score, what is unused")
           ->type_name("FILE");

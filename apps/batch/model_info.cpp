@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/model_info.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -8,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/table.h"
-#include "ibr/htm_model.h"
+#include "ibr/htm_sequence.h"
 
 namespace ibr::app {
 namespace {
@@ -73,6 +74,42 @@ ExitCode showModel(const std::string& path, const Context& context) {
   context.print("complements  {:.2f} px root mean square; {} predicted, {} real{}\n", rms, bytesText(double(predicted)),
                 bytesText(double(real)), real == 0 ? ": all are 0" : "");
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+ExitCode showSequence(const std::string& path, const Context& context) {
+  const HtmSequenceIndex index = loadHtmSequence(path);
+  std::error_code ignored;
+  const std::filesystem::path given = path;
+  const std::filesystem::path folder = std::filesystem::is_directory(given, ignored) ? given : given.parent_path();
+  std::size_t faces = 0, vertices = 0, cameras = 0;  // the most of any frame
+  std::uint64_t pictures = 0, complements = 0;       // bytes of the largest frame's, as they are drawn
+  for (const std::filesystem::path& frame : index.frames) {
+    const HtmModel model = loadHtmModel(folder / frame);
+    faces = std::max(faces, model.surface.mesh.triangles.size());
+    vertices = std::max(vertices, model.vertexCount());
+    cameras = std::max(cameras, model.cameras.size());
+    std::uint64_t bytes = 0;
+    for (const HtmCamera& camera : model.cameras)
+      bytes += 4 * std::uint64_t(camera.camera.intrinsics.width) * std::uint64_t(camera.camera.intrinsics.height);
+    pictures = std::max(pictures, bytes);
+    complements = std::max<std::uint64_t>(complements, model.complements.size() * sizeof(glm::vec2));
+  }
+  const double seconds = double(index.frames.size()) / index.fps;
+  context.print("frames       {} at {} a second: {:.2f} s\n", index.frames.size(), index.fps, seconds);
+  context.print("a frame      at most {} faces, {} vertices, {} cameras; {} of pictures, {} of complements\n", faces,
+                vertices, cameras, bytesText(double(pictures)), bytesText(double(complements)));
+  context.report(Json{
+      {"sequence", path},
+      {"frames", index.frames.size()},
+      {"fps", index.fps},
+      {"seconds", seconds},
+      {"faces", faces},
+      {"vertices", vertices},
+      {"cameras", cameras},
+      {"pictureBytes", pictures},
+      {"complementBytes",
+       complements}}.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ibr info` of a harmonised model.
+// `ibr info` of a harmonised model, and of a sequence of them.
 #pragma once
 
 #include <string>
@@ -9,5 +9,6 @@
 namespace ibr::app {
 
 ExitCode showModel(const std::string& path, const Context& context);
+ExitCode showSequence(const std::string& path, const Context& context);
 
 }  // namespace ibr::app

@@ -5,7 +5,7 @@
 
 #include "batch/command.h"
 #include "ibr/asset.h"
-#include "ibr/htm_model.h"
+#include "ibr/htm_sequence.h"
 #include "ibr/scene.h"
 
 namespace ibr::app {
@@ -16,8 +16,10 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostFaults = 1000;
 
 ExitCode validateFiles(const std::string& scene, const Context& context) {
-  const bool isModel = assetKind(scene) == AssetKind::htmModel;
-  const auto faults = isModel ? validateHtmModelFiles(scene, kMostFaults) : validateSceneFiles(scene, kMostFaults);
+  const auto kind = assetKind(scene);
+  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(scene, kMostFaults)
+                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(scene, kMostFaults)
+                                                       : validateSceneFiles(scene, kMostFaults);
   Json report{{"scene", scene}, {"faults", Json::array()}};
   for (const Fault& fault : faults) {
     context.print("{}: {}\n", fault.field, fault.message);
@@ -36,13 +38,14 @@ ExitCode validateFiles(const std::string& scene, const Context& context) {
 
 const Command kValidateCommand{
     .name = "validate",
-    .summary = "Lists every fault of a scene or a harmonised model, with its place",
-    .examples = "ibr validate scene\nibr validate scene --json faults.json\nibr validate model",
+    .summary = "Lists every fault of a scene, a harmonised model or a sequence of them, with its place",
+    .examples = "ibr validate scene\nibr validate scene --json faults.json\nibr validate model\nibr validate video",
     .details = "Exit code 3 where there is a fault.",
     .afterInterrupt = "",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto scene = std::make_shared<std::string>();
-      app.add_option("SCENE", *scene, "Folder of a scene or a model, or its .gltf")->required();
+      app.add_option("SCENE", *scene, "Folder of a scene, a model or a sequence, or its .gltf or sequence.json")
+          ->required();
       return [scene](const Context& context) { return validateFiles(*scene, context); };
     }};
 

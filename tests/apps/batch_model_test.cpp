@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ibr/htm_model.h"
+#include "ibr/htm_sequence.h"
 #include "run_program.h"
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
@@ -52,4 +52,21 @@ TEST_CASE("info and validate take a model as they take a scene") {
   const Outcome faults = runProgram({"validate", folder.path().string()});
   CHECK(faults.code == 3);
   CHECK_THAT(faults.out, Catch::Contains("/extensions/IBR_harmonised_texture/cameras/2/image: c.png is missing"));
+}
+
+TEST_CASE("info and validate take a sequence of models") {
+  TemporaryFolder folder;
+  saveHtmModel(tinyModel(), folder / "one");
+  saveHtmModel(tinyModel(), folder / "two");
+  saveHtmSequence({12.5, {"one", "two"}}, folder.path());
+  const Outcome info = runProgram({"info", (folder / "sequence.json").string(), "--json", "-"});
+  CHECK(info.code == 0);
+  const auto report = nlohmann::json::parse(info.out.substr(info.out.find('{')));
+  CHECK(report["frames"] == 2);
+  CHECK(report["seconds"] == 0.16);
+  CHECK(report["cameras"] == 3);
+  CHECK(report["complementBytes"] == 8 * 9 * 8);
+  const Outcome faults = runProgram({"validate", folder.path().string()});
+  CHECK(faults.code == 3);
+  CHECK_THAT(faults.out, Catch::Contains("/frames/1: two: /extensions") && Catch::Contains("6 faults"));
 }

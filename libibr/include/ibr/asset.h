@@ -7,9 +7,9 @@
 
 namespace ibr {
 
-enum class AssetKind { scene, htmModel };
+enum class AssetKind { scene, htmModel, htmSequence };
 
-/// By the name of a folder's file, or the extension of a .gltf document; nullopt where there is neither or it cannot be
+/// By the name of a folder's file, or of a file's content; nullopt where there is neither or it cannot be
 /// read. Nothing else is looked at. Never throws.
 std::optional<AssetKind> assetKind(const std::filesystem::path& path) noexcept;
 

@@ -90,13 +90,6 @@ struct HtmFramePlan {
 HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
                           const HtmState& state = {});
 
-/// What was photographed by one camera.
-struct HtmPicture {
-  Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
-  Image8 visibility;  // 1 channel of the same size as HtmCamera::visibilityFile says; empty: 255 everywhere
-};
-using HtmPictureSource = std::function<HtmPicture(const HtmModel& model, std::size_t camera)>;
-
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // between mip levels; default: on GPUs, not on software devices
 };

@@ -10,12 +10,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ibr/camera.h"
 #include "ibr/conventions.h"
+#include "ibr/image.h"
 #include "ibr/scene.h"
 
 namespace ibr {
@@ -59,6 +61,13 @@ struct HtmModel {
     return (i * cameras.size() + j) * vertexCount() + v;
   }
 };
+
+/// What was photographed by one camera.
+struct HtmPicture {
+  Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
+  Image8 visibility;  // 1 channel of the same size as HtmCamera::visibilityFile says; empty: 255 everywhere
+};
+using HtmPictureSource = std::function<HtmPicture(const HtmModel& model, std::size_t camera)>;
 
 /// Every fault of a model's data, in order, at most `limit`; empty when all preconditions of HtmRenderer hold: numbers
 /// of cameras, vertices and complements fit, indices in range, cameras pinholes with different names, values finite,

@@ -11,6 +11,7 @@
 #include "ibr/gpu_scene.h"
 #include "ibr/htm.h"
 #include "ibr/htm_model.h"
+#include "ibr/htm_sequence.h"
 #include "ibr/image.h"
 #include "ibr/log.h"
 #include "ibr/metrics.h"
