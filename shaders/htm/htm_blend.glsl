@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Weighted sums over cameras that come best first ([H] eqs 6 and 7). Weights reach down to 2^-1000 and below, so each
 // sum is relative to the first weight that counts in it.
+//
+// Loops over cameras have their test in front. Mesa's llvmpipe 22.3 gives lanes that have left a loop zeros from storage
+// buffers and goes on computing for them; what such a loop computes is right only if a further turn's test follows it.
 
 struct HtmBlend {
   vec4 sum;  // of values, weighted; w: of the weights

@@ -9,6 +9,8 @@
 #include "htm/frame_set.h"
 #include "reference/htm_reference.h"
 #include "reference/htm_stage.h"
+#include "reference/shader_offsets.h"
+#include "shaders/htm_frag.h"
 
 namespace ibr::test {
 namespace {
@@ -95,6 +97,31 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
       CHECK(largest > 0.5);
       CHECK(error < 1e-3);  // px: exp2 of what is rounded to 24 bits
     }
+}
+
+TEST_CASE("a harmonised model's parameters lie in memory as the shaders read them", "[htm]") {
+  using Offsets = std::map<std::string, std::uint32_t>;
+  using shader::HtmCameraParameters;
+  using shader::HtmFrame;
+  CHECK(offsetsOf(shaders::htm_frag, "HtmCameraParameters") ==
+        Offsets{{"column", offsetof(HtmCameraParameters, column)},
+                {"row", offsetof(HtmCameraParameters, row)},
+                {"depthOf", offsetof(HtmCameraParameters, depthOf)},
+                {"size", offsetof(HtmCameraParameters, size)},
+                {"log2Weight", offsetof(HtmCameraParameters, log2Weight)},
+                {"log2Rest", offsetof(HtmCameraParameters, log2Rest)},
+                {"detail", offsetof(HtmCameraParameters, detail)},
+                {"texelWidth", offsetof(HtmCameraParameters, texelWidth)},
+                {"nearDistance", offsetof(HtmCameraParameters, nearDistance)},
+                {"camera", offsetof(HtmCameraParameters, camera)}});
+  CHECK(sizeof(HtmCameraParameters) == 80);
+  CHECK(offsetsOf(shaders::htm_frag, "HtmFrame") == Offsets{{"clip", offsetof(HtmFrame, clip)},
+                                                            {"background", offsetof(HtmFrame, background)},
+                                                            {"cut", offsetof(HtmFrame, cut)},
+                                                            {"depthTolerance", offsetof(HtmFrame, depthTolerance)},
+                                                            {"vertexCount", offsetof(HtmFrame, vertexCount)},
+                                                            {"cameraCount", offsetof(HtmFrame, cameraCount)},
+                                                            {"plannedCount", offsetof(HtmFrame, plannedCount)}});
 }
 
 }  // namespace ibr::test

@@ -97,7 +97,8 @@ struct GpuHtmModelOptions {
 /// The model on a device: photographs with visibility as alpha, the mesh's depth as each camera sees it, mesh and
 /// complements. Making one calls the source for each camera in turn, submits on the device's queue and waits. The
 /// device must outlive it, the model need not. Throws what the source throws, Error{invalidInput} for a model that
-/// validate() finds fault with or a picture that does not fit its camera, Error (outOfMemory, unsupported).
+/// validate() finds fault with or a picture that does not fit its camera, Error{unsupported} where complements (8 bytes
+/// times cameras² times vertices) exceed the device's maxStorageBufferRange, Error{outOfMemory}.
 class GpuHtmModel {
  public:
   GpuHtmModel(Device& device, const HtmModel& model, const HtmPictureSource& source,
