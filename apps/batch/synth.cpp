@@ -10,11 +10,13 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/colmap_views.h"
 #include "batch/command.h"
 #include "batch/options.h"
 #include "batch/progress.h"
 #include "batch/settings.h"
 #include "batch/synth_grid.h"
+#include "batch/synth_moving.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
@@ -28,12 +30,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-enum class Kind { planes, roomPano, roomMixed, grid };
+enum class Kind { planes, roomPano, roomMixed, grid, moving };
 
 struct Options {
   Kind kind = Kind::planes;
   std::string output;
-  int members = 3, views = 8, side = 10;
+  int members = 3, views = 8, side = 10, frames = 8;
   PictureSize size;
   TextureFormat texture = TextureFormat::rgba8;
 };
@@ -122,25 +124,9 @@ std::vector<View> truthViews(const Options& options, const std::vector<Camera>& 
   return views;
 }
 
-void writeColmapText(const fs::path& folder, const std::vector<View>& views) {
-  std::string cameras = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS\n",
-              images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n";
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto& [k, pose] = views[i].camera;
-    cameras += fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
-    // World to camera, x right, y down, z forward: half a turn about x from ours.
-    const glm::dquat q = glm::dquat(0, 1, 0, 0) * glm::conjugate(pose.rotation);
-    const glm::dvec3 t = -(q * pose.position);
-    images += fmt::format("{} {} {} {} {} {} {} {} {} {}\n\n", i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i + 1,
-                          views[i].name);
-  }
-  fs::create_directories(folder);
-  writeFile(folder / "cameras.txt", cameras);
-  writeFile(folder / "images.txt", images);
-  writeFile(folder / "points3D.txt", std::string_view("# none\n"));
-}
-
 ExitCode synthesise(const Options& options, const Context& context) {
+  if (options.kind == Kind::moving)
+    return synthesiseMoving({options.output, options.frames, options.views, options.size}, context);
   const fs::path folder = options.output, truth = folder / "truth";
   const std::uint64_t seed = context.options().seed;
   const SyntheticOptions wanted = optionsOf(options, seed);
@@ -176,7 +162,7 @@ ExitCode synthesise(const Options& options, const Context& context) {
       step();
       writeImage(truth / "images" / view.name, renderTruth(made, view.camera, wanted.samplesPerAxis));
     }
-    writeColmapText(truth / "sparse", views);
+    writeColmapViews(truth / "sparse", views);
     saveScene(made.scene, folder);
     progress.show({"making the scene", steps, steps});
   }
@@ -202,11 +188,15 @@ const Command kSynthCommand{
         "ibr synth planes -o scene\n"
         "ibr synth room-pano -o room --size 2048x1024\n"
         "ibr synth grid -o grid --side 100 --size 512x512 --texture bc1\n"
+        "ibr synth moving -o figure --frames 25\n"
         "ibr eval room --truth room/truth -o compared",
     .details =
         "KIND: planes, a wall and two boards before it; room-pano, a room around panoramas; room-mixed, the same with "
         "one pinhole; grid, any number of photographs of a wall at infinity, which share one texture file, and a "
-        "walk.json between them. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and "
+        "walk.json between them. moving, a figure that bends and turns, photographed by eight cameras: for each frame "
+        "a "
+        "folder with mesh.ply (a little wrong) and mesh_exact.ply, images, masks, sparse and truth, as `ibr htm build` "
+        "takes them. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and "
         "every third "
         "one a little outside. The same seed makes the same scene.",
     .afterInterrupt = "Some files may be there already; run the same command again.",
@@ -216,7 +206,8 @@ const Command kSynthCommand{
                       {{"planes", Kind::planes},
                        {"room-pano", Kind::roomPano},
                        {"room-mixed", Kind::roomMixed},
-                       {"grid", Kind::grid}},
+                       {"grid", Kind::grid},
+                       {"moving", Kind::moving}},
                       "What to generate")
           ->required();
       app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
@@ -224,9 +215,10 @@ const Command kSynthCommand{
           ->type_name("SCENE");
       addInt(app, "--members", options->members, 2, 4, "Photographs, all of one cell");
       addInt(app, "--views", options->views, 0, 10000, "Views of the truth");
+      addInt(app, "--frames", options->frames, 1, 10000, "moving: frames of one period");
       addInt(app, "--side", options->side, 2, 1000, "grid: photographs along each side");
       declareTextureFormat(app, options->texture);
-      addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512]");
+      addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512, moving 512x512]");
       return [options](const Context& context) { return synthesise(*options, context); };
     }};
 

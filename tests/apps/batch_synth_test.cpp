@@ -135,3 +135,22 @@ TEST_CASE("build reads panoramas.json; one alone makes no cell") {
   CHECK(runProgram({"build", folder.path(), "--panoramas", json, "-o", folder / "scene"}).code == 3);
   CHECK(runProgram({"build", folder.path(), "--panoramas", folder / "none.json", "-o", folder / "scene"}).code == 2);
 }
+
+TEST_CASE("synth moving writes frames as ibr htm build takes them") {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> arguments{
+      "synth", "moving", "-o", (folder / "a").string(), "--frames", "2", "--views", "1", "--size", "48x40", "-q"};
+  REQUIRE(runProgram(arguments).code == 0);
+  const auto files = contentsBelow(folder / "a");
+  CHECK(files.size() == 2 * (2 + 3 + 2 * 8 + 3 + 2));
+  for (const std::string frame : {"frame0000/", "frame0001/"}) {
+    for (const std::string name : {"mesh.ply", "mesh_exact.ply", "sparse/images.txt", "images/cam07.png",
+                                   "masks/cam00.png", "truth/images/truth00.png", "truth/sparse/cameras.txt"})
+      CHECK(files.contains(frame + name));
+    const Image8 mask = readImage(folder / "a" / frame / "masks/cam03.png");
+    CHECK(mask.width == 48);
+  }
+  CHECK(files.at("frame0000/mesh_exact.ply") != files.at("frame0001/mesh_exact.ply"));
+  CHECK(files.at("frame0000/images/cam02.png") != files.at("frame0001/images/cam02.png"));
+  CHECK(files.at("frame0000/sparse/images.txt") == files.at("frame0001/sparse/images.txt"));
+}

@@ -12,45 +12,10 @@
 #include <random>
 
 #include "base/check.h"
+#include "scene/wave_texture.h"
 
 namespace ibr {
 namespace {
-
-// colour(x) = 127.5 + Σ sine_k sin(k·x) + cosine_k cos(k·x); amplitudes of a channel add up to at most 117.
-class Texture {
- public:
-  explicit Texture(const TexturedPlane& plane) {
-    std::mt19937_64 random(plane.seed);
-    auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };  // the same with every standard library
-    for (Wave& wave : waves_) {
-      const double length = plane.wavelength * std::pow(4.0, uniform());
-      const double angle = 2.0 * std::numbers::pi * uniform();
-      wave.k = 2.0 * std::numbers::pi / length * glm::dvec2(std::cos(angle), std::sin(angle));
-      for (int c = 0; c < 3; ++c) {
-        const double phase = 2.0 * std::numbers::pi * uniform();
-        const double amplitude = (0.5 + 0.5 * uniform()) * 117.0 / double(waves_.size());
-        wave.sine[c] = amplitude * std::sin(phase);
-        wave.cosine[c] = amplitude * std::cos(phase);
-      }
-    }
-  }
-
-  glm::dvec3 colour(glm::dvec2 at) const {
-    glm::dvec3 sum(127.5);
-    for (const Wave& wave : waves_) {
-      const double phase = wave.k.x * at.x + wave.k.y * at.y;
-      sum += wave.sine * std::sin(phase) + wave.cosine * std::cos(phase);
-    }
-    return sum;
-  }
-
- private:
-  struct Wave {
-    glm::dvec2 k;
-    glm::dvec3 sine, cosine;
-  };
-  std::array<Wave, 5> waves_;
-};
 
 struct Hit {
   std::size_t plane;
@@ -233,7 +198,7 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
 }  // namespace
 
 glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at) {
-  return Texture(plane).colour(at);
+  return WaveTexture(plane).colour(at);
 }
 
 SyntheticScene makeScene(const SyntheticOptions& options) {
@@ -294,7 +259,7 @@ std::vector<TexturedPlane> roomPlanes(glm::dvec3 low, glm::dvec3 high, double wa
 }
 
 Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int samplesPerAxis) {
-  const std::vector<Texture> textures(scene.planes.begin(), scene.planes.end());
+  const std::vector<WaveTexture> textures(scene.planes.begin(), scene.planes.end());
   const glm::dvec3 from = rayOrigin(scene, camera);
   Image8 image(camera.intrinsics.width, camera.intrinsics.height, 3);
   for (int y = 0; y < image.height; ++y)
