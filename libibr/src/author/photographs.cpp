@@ -111,19 +111,25 @@ double bytesToStore(const Photograph& photo) {
   return kBytesPerPixel * std::max(photo.sourcePixels, whole) + (photo.lens ? 3 * photo.sourcePixels : 0);
 }
 
-std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
-  const std::vector<std::byte> source = readFile(photo.source);
-  const fs::path image = scene / photo.imageFile, texture = scene / photo.textureFile;
+Image8 storePicture(const Photograph& photo, const fs::path& folder) {
+  const fs::path image = folder / photo.imageFile;
   std::error_code ignored;
   check(photo.copied || !fs::equivalent(photo.source, image, ignored), ErrorCode::invalidInput,
-        "{}: the scene would overwrite this photograph; name another folder for the scene", photo.source.string());
+        "{}: this photograph would be overwritten; name another folder for the output", photo.source.string());
   makeFolders(image.parent_path());
-  makeFolders(texture.parent_path());
-  const Image8 picture = loadPhotograph(photo);
+  Image8 picture = loadPhotograph(photo);
   if (photo.copied)
-    writeFile(image, source);
+    writeFile(image, readFile(photo.source));
   else
     writeImage(image, picture, kJpegQuality);
+  return picture;
+}
+
+std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
+  const std::vector<std::byte> source = readFile(photo.source);
+  const fs::path texture = scene / photo.textureFile;
+  const Image8 picture = storePicture(photo, scene);
+  makeFolders(texture.parent_path());
   writeKtx2(texture, encodeTexture(buildMips(picture), format));
   Hash hash;
   hash.add(source);

@@ -53,6 +53,9 @@ double bytesToLoad(const Photograph& photograph);
 /// The memory that storePhotograph takes, about.
 double bytesToStore(const Photograph& photograph);
 
+/// Writes the picture below `folder`, and gives it back.
+Image8 storePicture(const Photograph& photograph, const std::filesystem::path& folder);
+
 /// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of
 /// what is undistorted.
 std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
