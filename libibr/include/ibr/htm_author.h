@@ -23,9 +23,13 @@ struct HtmOptions {
   double inconsistentSize = 4;   // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
   double inconsistentDifference = 12;  // of faces that are inconsistent
   double inconsistentShare = 0.1;     // of the faces: at most so many collapses
+  // Beyond [H]: cameras first settle on what they agree on (author/htm_consensus.h, author/htm_adjust.h).
+  int adjustRounds = 2;           // 0: cameras are taken as they are, as [H] does
+  double adjustSmoothness = 100;  // 1 / px², of offsets between neighbours
   // Algs 3 to 5
   TemplateMeasure measure = TemplateMeasure::absoluteDifferences;
-  double radius = 16;       // px that are searched around each vertex
+  double radius = 16;       // px that are searched around each vertex, …
+  double laterRadius = 6;   // … and where cameras are adjusted or an earlier round has said where
   double leastTexture = 2;  // levels per px: less in a direction, and nothing is displaced in it
   double smoothness = 1;    // 1 / px², of complements between neighbours (author/htm_complements.h); 0: as matched
   double outlierPx = 2;
@@ -66,7 +70,11 @@ struct HtmReport {
     std::size_t divided = 0;       // faces that the next round divides, …
     std::size_t divideHidden = 0;  // … of these for being partly hidden alone
   };
+  struct Adjustment {
+    double beforePx = 0, afterPx = 0;  // RMS distance of vertices from where the pictures agree, mean over cameras
+  };
   std::vector<Stage> stages;
+  std::vector<Adjustment> adjustments;
   std::size_t sourceFaces = 0, reducedFaces = 0;
   double reducedMean = 0, reducedMost = 0;  // distance from the source to the reduced mesh, world units
   double restoredMean = 0, restoredMost = 0;  // and back
@@ -79,7 +87,7 @@ struct HtmReport {
 };
 
 struct HtmResult {
-  HtmModel model;                  // cameras as they were given
+  HtmModel model;                  // cameras as they were given, but for what was adjusted
   std::vector<Image8> visibility;  // one a camera, for HtmCamera::visibilityFile
   HtmReport report;
   /// The meshes of [H] fig. 9: original, reduced by shape, reduced by texture, refined; each face with its D_f.

@@ -9,8 +9,10 @@
 #include <numeric>
 
 #include "author/build_jobs.h"
+#include "author/htm_adjust.h"
 #include "author/htm_collapse.h"
 #include "author/htm_complements.h"
+#include "author/htm_consensus.h"
 #include "author/htm_difference.h"
 #include "author/htm_match.h"
 #include "author/htm_reduce.h"
@@ -36,7 +38,10 @@ void checkOptions(const HtmOptions& o) {
   inRange("inconsistentSize", o.inconsistentSize, 0, 1e6);
   inRange("inconsistentDifference", o.inconsistentDifference, 0, 255);
   inRange("inconsistentShare", o.inconsistentShare, 0, 1);
+  inRange("adjustRounds", o.adjustRounds, 0, 16);
+  inRange("adjustSmoothness", o.adjustSmoothness, 0, 1e6);
   inRange("radius", o.radius, 1, 2 * kLargestTemplateRadius);
+  inRange("laterRadius", o.laterRadius, 1, 2 * kLargestTemplateRadius);
   inRange("leastTexture", o.leastTexture, 0, 255);
   inRange("smoothness", o.smoothness, 0, 1e6);
   inRange("outlierPx", o.outlierPx, 1e-3, 1e6);
@@ -87,9 +92,13 @@ class Harmoniser {
     keepStage("original", source, differences(source, original, {}));
 
     TriangleMesh mesh = reducedByShape(source);
+    adjustCameras(mesh);
     mesh = reducedByTexture(std::move(mesh));
     refine(mesh);
-    for (const HtmPhotograph& p : photographs) result_.model.cameras.push_back(p.camera);
+    for (std::size_t i = 0; i < photographs.size(); ++i) {
+      result_.model.cameras.push_back(photographs[i].camera);
+      result_.model.cameras.back().camera = views_[i].camera;
+    }
     if (options_.keepSource)
       result_.model.source = HtmSurface{source, vertexVisibility(source, original.faces)};
     finish(mesh);
@@ -208,10 +217,34 @@ class Harmoniser {
     mesh = std::move(divided.mesh);
   }
 
+  void adjustCameras(const TriangleMesh& mesh) {
+    for (int round = 0; round < options_.adjustRounds; ++round) {
+      const Looked now = timed("visibility", [&] { return looked(mesh); });
+      members_ = vertexVisibility(mesh, now.faces);
+      match(mesh);
+      timed("cameras", [&] {
+        ConsensusOptions how;
+        how.smoothness = options_.adjustSmoothness;
+        how.outlierPx = options_.outlierPx;
+        const std::vector<glm::vec2> offsets = consensusOffsets(mesh, views_, members_, matches_, how);
+        const std::vector<AdjustedCamera> adjusted = adjustedCameras(mesh, views_, members_, offsets);
+        HtmReport::Adjustment line;
+        for (std::size_t i = 0; i < views_.size(); ++i) {
+          line.beforePx += adjusted[i].beforePx / double(views_.size());
+          line.afterPx += adjusted[i].afterPx / double(views_.size());
+          views_[i].camera = adjusted[i].camera;
+        }
+        result_.report.adjustments.push_back(line);
+        return 0;
+      });
+      complements_.clear();
+    }
+  }
+
   void match(const TriangleMesh& mesh) {
     VertexMatchOptions how;
     how.measure = options_.measure;
-    how.radius = options_.radius;
+    how.radius = searches_++ == 0 ? options_.radius : options_.laterRadius;
     how.leastTexture = options_.leastTexture;
     how.threads = options_.threads;
     const MakeTemplateSearch search = options_.search ? options_.search : processorTemplateSearch;
@@ -312,6 +345,7 @@ class Harmoniser {
   const ProgressCallback& progress_;
   BuildJobs jobs_;
   std::vector<HtmView> views_;
+  int searches_ = 0;  // so far
   std::vector<CameraSet> members_;
   std::vector<VertexMatch> matches_;
   std::vector<glm::vec2> complements_;  // also the start of the next round's
