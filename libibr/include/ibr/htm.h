@@ -150,8 +150,8 @@ class HtmRenderer {
   std::unique_ptr<State> state_;
 };
 
-/// The model whose surface is `source`, the mesh before it was optimised, without complements: what [H]'s comparison
-/// draws. A model without a source keeps its surface.
+/// The model whose surface is `source`, the mesh before it was optimised, with the cameras as they were given, without
+/// complements: what [H]'s comparison draws. A model without a source keeps its surface.
 HtmModel baselineModel(const HtmModel& model);
 
 }  // namespace ibr

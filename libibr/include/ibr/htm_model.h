@@ -40,6 +40,8 @@ struct HtmCamera {
   /// Grey PNG of the picture's size, relative to the model's folder: how much each pixel may be trusted to show the
   /// mesh, 0 (background, or across a self-occlusion edge) to 255. Empty: all of it.
   std::filesystem::path visibilityFile;
+  /// The camera before it was adjusted to the others, of the same size, for methods to compare with; none: as it is.
+  std::optional<Camera> given = std::nullopt;
 };
 
 /// A mesh, and for each vertex the cameras that take part in its colour: a face at it is seen by them, and they agree.

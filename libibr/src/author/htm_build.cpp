@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <utility>
 
 #include "author/build_jobs.h"
 #include "author/htm_adjust.h"
@@ -97,7 +98,8 @@ class Harmoniser {
     refine(mesh);
     for (std::size_t i = 0; i < photographs.size(); ++i) {
       result_.model.cameras.push_back(photographs[i].camera);
-      result_.model.cameras.back().camera = views_[i].camera;
+      HtmCamera& camera = result_.model.cameras.back();
+      if (options_.adjustRounds > 0) camera.given = std::exchange(camera.camera, views_[i].camera);
     }
     if (options_.keepSource)
       result_.model.source = HtmSurface{source, vertexVisibility(source, original.faces)};

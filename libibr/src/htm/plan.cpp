@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -97,6 +98,8 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
 HtmModel baselineModel(const HtmModel& model) {
   HtmModel baseline = model;
   if (model.source) baseline.surface = *model.source;
+  for (HtmCamera& camera : baseline.cameras)
+    if (camera.given) camera.camera = *std::exchange(camera.given, std::nullopt);
   baseline.complements.clear();
   baseline.source.reset();
   return baseline;

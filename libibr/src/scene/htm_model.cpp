@@ -46,6 +46,11 @@ std::vector<Fault> validate(const HtmModel& model, std::size_t limit) {
     if (camera.camera.intrinsics.model != CameraModel::pinhole)
       faults.add(at + ".camera.intrinsics", "is no pinhole");
     checkCamera(camera.camera, at + ".camera", faults);
+    if (!camera.given) continue;
+    checkCamera(*camera.given, at + ".given", faults);
+    const Intrinsics &k = camera.camera.intrinsics, &g = camera.given->intrinsics;
+    if (g.model != k.model || g.width != k.width || g.height != k.height)
+      faults.add(at + ".given.intrinsics", "differs in kind or size from the camera's");
   }
   checkSurface(model.surface, cameras, "surface", faults);
   if (model.source) checkSurface(*model.source, cameras, "source", faults);

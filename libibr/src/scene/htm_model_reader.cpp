@@ -25,6 +25,14 @@ class Reader {
     const NamedCamera named = namedCamera(gltf_, entry);
     if (named.camera.intrinsics.model != CameraModel::pinhole) entry["camera"]["model"].fault("is not PINHOLE");
     HtmCamera camera{named.name, named.camera, {}, {}};
+    if (entry.has("given")) {
+      const JsonValue given = entry["given"];
+      camera.given = Camera{intrinsicsOf(given["camera"]),
+                            {vector3(given["translation"]), quaternion(given["rotation"])}};
+      const Intrinsics &k = named.camera.intrinsics, &g = camera.given->intrinsics;
+      if (g.model != k.model || g.width != k.width || g.height != k.height)
+        given["camera"].fault("differs in kind or size from the camera's");
+    }
     if (entry.has("image")) camera.imageFile = gltf_.reference(gltf_.element("images", entry["image"])["uri"]);
     if (entry.has("visibility")) camera.visibilityFile = gltf_.reference(entry["visibility"]["uri"]);
     return camera;

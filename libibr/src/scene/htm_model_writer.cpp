@@ -68,6 +68,12 @@ class Writer {
                {"camera", GltfWriter::intrinsicsJson(camera.camera.intrinsics)}};
     if (!camera.imageFile.empty()) entry["image"] = gltf_.add("images", {{"uri", encodeUri(camera.imageFile)}});
     if (!camera.visibilityFile.empty()) entry["visibility"] = {{"uri", encodeUri(camera.visibilityFile)}};
+    if (camera.given) {
+      const glm::dquat& q = camera.given->pose.rotation;
+      entry["given"] = {{"translation", GltfWriter::triple(camera.given->pose.position)},
+                        {"rotation", {q.x, q.y, q.z, q.w}},
+                        {"camera", GltfWriter::intrinsicsJson(camera.given->intrinsics)}};
+    }
     return entry;
   }
 

@@ -71,6 +71,11 @@ TEST_CASE("Every fault of a model is found at its place") {
                 m.cameras[0].camera.intrinsics = {CameraModel::equirectangular, 64, 32};
               }),
               "cameras[0].camera.intrinsics");
+  expectFault(with([](HtmModel& m) {
+                m.cameras[0].given = m.cameras[0].camera;
+                m.cameras[0].given->intrinsics.width += 1;
+              }),
+              "cameras[0].given.intrinsics");
   expectFault(with([&](HtmModel& m) { m.surface.mesh.positions[3].y = nan; }), "surface.mesh.positions[3]");
   expectFault(with([](HtmModel& m) { m.surface.mesh.triangles[5].z = 8; }), "surface.mesh.triangles[5]");
   expectFault(with([](HtmModel& m) { m.surface.members.pop_back(); }), "surface.members");
@@ -104,6 +109,11 @@ void expectSame(const HtmModel& a, const HtmModel& b, double tolerance) {
     CHECK(a.cameras[i].camera.pose.rotation == b.cameras[i].camera.pose.rotation);
     CHECK(a.cameras[i].imageFile == b.cameras[i].imageFile);
     CHECK(a.cameras[i].visibilityFile == b.cameras[i].visibilityFile);
+    REQUIRE(a.cameras[i].given.has_value() == b.cameras[i].given.has_value());
+    if (!a.cameras[i].given) continue;
+    CHECK(a.cameras[i].given->intrinsics == b.cameras[i].given->intrinsics);
+    CHECK(a.cameras[i].given->pose.position == b.cameras[i].given->pose.position);
+    CHECK(a.cameras[i].given->pose.rotation == b.cameras[i].given->pose.rotation);
   }
   const auto same = [&](const HtmSurface& x, const HtmSurface& y) {
     CHECK(x.mesh.triangles == y.mesh.triangles);
@@ -124,6 +134,9 @@ TEST_CASE("A saved model comes back, and is then saved as it was") {
   for (glm::dvec3& p : sphere.positions) p = 0.7 * p + glm::dvec3(4e5, 5e6, 300);
   std::vector<HtmModel> models{model(), model(64), model(1), model(4, sphere)};
   models[0].source = HtmSurface{sphere, std::vector<CameraSet>(sphere.positions.size(), 5)};
+  models[0].cameras[1].given = models[0].cameras[1].camera;
+  models[0].cameras[1].given->intrinsics.fx += 3;
+  models[0].cameras[1].given->pose.position.y -= 0.25;
   models[1].complements.clear();
   models[2].settings.clear();
   for (const HtmModel& made : models) {

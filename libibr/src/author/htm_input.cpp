@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// From files to harmonise(), and its result into a folder.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "author/photographs.h"
+#include "author/triangle_mesh_file.h"
+#include "base/check.h"
+#include "base/file.h"
+#include "ibr/author.h"
+#include "ibr/htm_author.h"
+#include "io/image_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path maskFile(const fs::path& folder, const std::string& name) {
+  const fs::path direct = folder / (name + ".png"), replaced = (folder / name).replace_extension(".png");
+  std::error_code ignored;
+  if (fs::is_regular_file(direct, ignored)) return direct;
+  check(fs::is_regular_file(replaced, ignored), ErrorCode::io, "{}: there is no mask for {} (nor {})",
+        replaced.string(), name, direct.string());
+  return replaced;
+}
+
+// Goes the photograph's way: turned, undistorted and resized as it is.
+Image8 loadMask(Photograph photograph, const fs::path& file) {
+  photograph.source = file;
+  const ImageFileInfo picture = probeImage(file);
+  const Image8 colour = loadPhotograph(photograph);
+  check(colour.width == photograph.camera.intrinsics.width && colour.height == photograph.camera.intrinsics.height,
+        ErrorCode::invalidInput, "{}: the mask is {} × {}, {} another size", file.string(), picture.width,
+        picture.height, photograph.name);
+  Image8 mask(colour.width, colour.height, 1);
+  for (std::size_t p = 0; p < mask.values.size(); ++p) mask.values[p] = colour.values[3 * p];
+  return mask;
+}
+
+PosedModel chosenModel(const HtmBuildOptions& options, const LogCallback& log) {
+  PosedModel model = readColmapModel(options.model, log);
+  std::set<std::string> unknown(options.exclude.begin(), options.exclude.end());
+  std::erase_if(model.images, [&](const PosedImage& image) {
+    unknown.erase(image.name);
+    return std::ranges::find(options.exclude, image.name) != options.exclude.end();
+  });
+  check(unknown.empty(), ErrorCode::invalidInput, "{}: there is no image {} to leave out", options.model.string(),
+        unknown.empty() ? std::string() : *unknown.begin());
+  check(!model.images.empty() && model.images.size() <= kLargestHtmCameraCount, ErrorCode::invalidInput,
+        "{}: {} images, not 1 to {}", options.model.string(), model.images.size(), kLargestHtmCameraCount);
+  return model;
+}
+
+std::string settingsText(const HtmBuildOptions& options) {
+  const HtmOptions& o = options.optimise;
+  return fmt::format(
+      R"({{"maxSize":{},"adjustRounds":{},"adjustSmoothness":{},"faces":{},"inconsistentSize":{},)"
+      R"("inconsistentDifference":{},"inconsistentShare":{},"measure":"{}","radius":{},"laterRadius":{},)"
+      R"("leastTexture":{},"smoothness":{},"outlierPx":{},"alpha":{},"gamma1":{},"rounds":{},"meanDifference":{},)"
+      R"("faceDifference":{},"selfOccluded":{},"leastFacePx":{},"mostFaces":{},"reject":{},"rejectDifference":{},)"
+      R"("rejectCorrelation":{},"softPx":{}}})",
+      options.maxSize, o.adjustRounds, o.adjustSmoothness, o.faces, o.inconsistentSize, o.inconsistentDifference,
+      o.inconsistentShare, o.measure == TemplateMeasure::correlation ? "ncc" : "sad", o.radius, o.laterRadius,
+      o.leastTexture, o.smoothness, o.outlierPx, o.alpha, o.gamma1, o.rounds, o.meanDifference, o.faceDifference,
+      o.selfOccluded, o.leastFacePx, o.mostFaces, o.reject, o.rejectDifference, o.rejectCorrelation, o.softPx);
+}
+
+struct Input {
+  TriangleMesh mesh;
+  std::vector<Photograph> files;
+  std::vector<HtmPhotograph> photographs;
+};
+
+Input readInput(const HtmBuildOptions& options, const LogCallback& log) {
+  Input input{readTriangleMesh(options.mesh), {}, {}};
+  const PosedModel model = chosenModel(options, log);
+  for (const PosedImage& image : model.images)
+    input.files.push_back(findPhotograph(options.images, image, options.maxSize));
+  for (const Photograph& file : input.files) {
+    HtmPhotograph photograph{{file.name, file.camera, file.imageFile, {}}, loadPhotograph(file), {}};
+    if (!options.masks.empty()) photograph.mask = loadMask(file, maskFile(options.masks, file.name));
+    input.photographs.push_back(std::move(photograph));
+  }
+  return input;
+}
+
+}  // namespace
+
+std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
+                                                                 const LogCallback& log) {
+  Input input = readInput(options, log);
+  return {std::move(input.mesh), std::move(input.photographs)};
+}
+
+HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+  Input input = readInput(options, log);
+  for (HtmPhotograph& photograph : input.photographs)
+    photograph.camera.visibilityFile = fs::path("visibility") / (photograph.camera.name + ".png");
+  HtmResult result = harmonise(input.mesh, input.photographs, options.optimise, progress, log);
+  for (std::size_t i = 0; i < input.files.size(); ++i) {
+    storePicture(input.files[i], options.output);
+    const fs::path file = options.output / result.model.cameras[i].visibilityFile;
+    makeFolders(file.parent_path());
+    writeImage(file, result.visibility[i]);
+  }
+  result.model.settings = settingsText(options);
+  saveHtmModel(result.model, options.output);
+  return result;
+}
+
+}  // namespace ibr
