@@ -8,7 +8,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::array kCommands{&kHtmRenderCommand};
+constexpr std::array kCommands{&kHtmBuildCommand, &kHtmRenderCommand, &kHtmEvalCommand};
 
 }  // namespace
 
@@ -32,7 +32,10 @@ void declareHtmSettings(CLI::App& app, HtmSettings& settings) {
 
 const Command kHtmCommand{.name = "htm",
                           .summary = "An object as a mesh with photographs that are bent until they agree",
-                          .examples = "ibr htm render model --path auto:90 -o pictures",
+                          .examples =
+                              "ibr htm build --mesh object.ply --model sparse --images images --masks masks -o model\n"
+                              "ibr htm render model --path auto:90 -o pictures\n"
+                              "ibr htm eval model --leave-one-out -o comparison",
                           .details = "",
                           .afterInterrupt = "",
                           .declare = nullptr,

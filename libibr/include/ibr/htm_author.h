@@ -51,6 +51,10 @@ struct HtmOptions {
   int threads = 0;                 // 0 = all cores
 };
 
+/// The options that a model's `settings` tell; those it does not tell are the defaults. Throws Error{invalidInput} where
+/// one has another type.
+HtmOptions htmOptionsOf(const std::string& settings);
+
 /// A camera with what it took.
 struct HtmPhotograph {
   HtmCamera camera;  // files may be empty

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // From files to harmonise(), and its result into a folder.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <set>
 
+#include "author/htm_settings.h"
 #include "author/photographs.h"
 #include "author/triangle_mesh_file.h"
 #include "base/check.h"
@@ -53,20 +52,6 @@ PosedModel chosenModel(const HtmBuildOptions& options, const LogCallback& log) {
   return model;
 }
 
-std::string settingsText(const HtmBuildOptions& options) {
-  const HtmOptions& o = options.optimise;
-  return fmt::format(
-      R"({{"maxSize":{},"adjustRounds":{},"adjustSmoothness":{},"faces":{},"inconsistentSize":{},)"
-      R"("inconsistentDifference":{},"inconsistentShare":{},"measure":"{}","radius":{},"laterRadius":{},)"
-      R"("leastTexture":{},"smoothness":{},"outlierPx":{},"alpha":{},"gamma1":{},"rounds":{},"meanDifference":{},)"
-      R"("faceDifference":{},"selfOccluded":{},"leastFacePx":{},"mostFaces":{},"reject":{},"rejectDifference":{},)"
-      R"("rejectCorrelation":{},"softPx":{}}})",
-      options.maxSize, o.adjustRounds, o.adjustSmoothness, o.faces, o.inconsistentSize, o.inconsistentDifference,
-      o.inconsistentShare, o.measure == TemplateMeasure::correlation ? "ncc" : "sad", o.radius, o.laterRadius,
-      o.leastTexture, o.smoothness, o.outlierPx, o.alpha, o.gamma1, o.rounds, o.meanDifference, o.faceDifference,
-      o.selfOccluded, o.leastFacePx, o.mostFaces, o.reject, o.rejectDifference, o.rejectCorrelation, o.softPx);
-}
-
 struct Input {
   TriangleMesh mesh;
   std::vector<Photograph> files;
@@ -105,7 +90,7 @@ HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progr
     makeFolders(file.parent_path());
     writeImage(file, result.visibility[i]);
   }
-  result.model.settings = settingsText(options);
+  result.model.settings = htmSettingsText(options);
   saveHtmModel(result.model, options.output);
   return result;
 }

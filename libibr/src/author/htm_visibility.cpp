@@ -132,7 +132,8 @@ Image8 softVisibility(const ProjectedMesh& view, double softPx) {
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const double nearest = std::min(toBackground.at<float>(y, x), toEdge.at<float>(y, x));
-      soft.pixel(x, y)[0] = std::uint8_t(std::lround(255 * std::clamp(nearest / softPx, 0.0, 1.0)));
+      const bool inside = object.pixel(x, y)[0] != 0;
+      soft.pixel(x, y)[0] = std::uint8_t(std::lround(std::clamp(255 * nearest / softPx, inside ? 1.0 : 0.0, 255.0)));
     }
   return soft;
 }

@@ -20,8 +20,9 @@ std::vector<FaceVisibility> faceVisibility(const TriangleMesh& mesh, std::span<c
 /// For each vertex the cameras that see a face at it.
 std::vector<CameraSet> vertexVisibility(const TriangleMesh& mesh, std::span<const FaceVisibility> faces);
 
-/// 255 inside the object, falling to 0 over `softPx` towards the background (outside the mask, or where there is no
-/// mask, outside the mesh) and towards edges at which the mesh hides itself.
+/// 255 inside the object, falling to 1 over `softPx` towards the background (outside the mask, or where there is no
+/// mask, outside the mesh) and towards edges at which the mesh hides itself; 0
+/// is the background alone.
 Image8 softVisibility(const ProjectedMesh& view, double softPx);
 
 }  // namespace ibr

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/htm_options.h"
+
+#include "batch/options.h"
+
+namespace ibr::app {
+
+void declareHtmOptions(CLI::App& app, HtmOptions& o) {
+  app.add_option_function<std::string>(
+         "--faces",
+         [&o](const std::string& text) { o.faces = std::size_t(parsedInt("--faces", text, 0, 100000000)); },
+         "The mesh is reduced until its mean face is the surface divided by this; 0: not by shape [5000]")
+      ->type_name("N");
+  addInt(app, "--adjust", o.adjustRounds, 0, 16,
+         "Rounds in which cameras settle on what they agree on; 0: cameras as they are given, the paper's way");
+  addChoice<TemplateMeasure>(
+      app, "--measure", o.measure,
+      {{"sad", TemplateMeasure::absoluteDifferences}, {"ncc", TemplateMeasure::correlation}},
+      "How textures are compared: mean absolute differences, or correlation, which light does not change [sad]");
+  addDouble(app, "--radius", o.radius, 1, 2 * kLargestTemplateRadius, "px that are searched around each vertex at first");
+  addDouble(app, "--later-radius", o.laterRadius, 1, 2 * kLargestTemplateRadius, "px that are searched from then on");
+  addDouble(app, "--least-texture", o.leastTexture, 0, 255,
+            "Levels per px: directions in which colours change less are not matched");
+  addDouble(app, "--smoothness", o.smoothness, 0, 1e6,
+            "1/px^2: how alike neighbours' complements are; 0: as matched, the paper's way");
+  addDouble(app, "--inconsistent-size", o.inconsistentSize, 0, 1e6,
+            "Inconsistent faces are merged until they are so many mean faces large; 0: not");
+  addDouble(app, "--inconsistent-difference", o.inconsistentDifference, 0, 255,
+            "Levels of D_f from which a face is inconsistent");
+  addDouble(app, "--inconsistent-share", o.inconsistentShare, 0, 1, "Of the faces: most that are merged");
+  addInt(app, "--rounds", o.rounds, 1, 16, "Rounds of matching; before each but the first, faces are divided");
+  addDouble(app, "--mean-difference", o.meanDifference, 0, 255, "Levels of D_f on average at which dividing ends");
+  addDouble(app, "--face-difference", o.faceDifference, 0, 255, "Levels of D_f from which a face is divided");
+  app.add_option_function<std::string>(
+         "--most-faces",
+         [&o](const std::string& text) { o.mostFaces = std::size_t(parsedInt("--most-faces", text, 1, 100000000)); },
+         "No further round begins beyond so many faces [20000]")
+      ->type_name("N");
+  app.add_flag_callback(
+      "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Faces that are partly hidden are not divided for that");
+  app.add_flag_callback("--no-reject", [&o] { o.reject = false; }, "Cameras that do not agree take part all the same");
+  addDouble(app, "--alpha", o.alpha, 0, 1, "Eq. 2: what facing a face counts against its size");
+  addDouble(app, "--gamma1", o.gamma1, 1e-6, 1e6, "Eq. 3: how much facing counts");
+  addDouble(app, "--soft", o.softPx, 1e-3, 1e3, "px over which a picture fades at edges of the object");
+}
+
+HtmOptions withThreads(HtmOptions options, const Context& context) {
+  options.threads = context.options().threads;
+  return options;
+}
+
+}  // namespace ibr::app
