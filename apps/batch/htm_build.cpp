@@ -8,6 +8,7 @@
 #include "batch/options.h"
 #include "batch/progress.h"
 #include "batch/table.h"
+#include "ibr/template_search_pass.h"
 
 namespace ibr::app {
 namespace {
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   HtmBuildOptions build;
+  bool matchOnDevice = false;
   std::string mesh, model, images, masks, output, stages;
 };
 
@@ -90,6 +92,11 @@ ExitCode buildModel(const Options& options, const Context& context) {
   build.masks = options.masks;
   build.output = options.output;
   build.optimise = withThreads(build.optimise, context);
+  std::unique_ptr<Device> device;
+  if (options.matchOnDevice) {
+    device = std::make_unique<Device>(Device::create({.device = context.options().device, .log = context.log()}));
+    build.optimise.search = deviceTemplateSearch(*device);
+  }
   HtmResult result;
   {
     ProgressLine progress(context);
@@ -131,6 +138,8 @@ const Command kHtmBuildCommand{
           ->type_name("NAME");
       addInt(app, "--max-size", options->build.maxSize, 0, 65536, "Longest side of the stored photographs; 0: as they are");
       app.add_option("--stages", options->stages, "Folder for the meshes on the way")->type_name("DIR");
+      addChoice<bool>(app, "--match", options->matchOnDevice, {{"processor", false}, {"device", true}},
+                      "Who searches for what photographs show at a vertex; both find the same [processor]");
       declareHtmOptions(app, options->build.optimise);
       return [options](const Context& context) { return buildModel(*options, context); };
     }};

@@ -50,10 +50,11 @@ using MakeTemplateSearch = std::function<TemplateSearch(std::span<const Image8* 
 
 /// On the processor: each call works on the calling thread and may be made from several at once. Throws
 /// Error{invalidInput} for pictures without 3 channels, and in calls for tasks beyond pictures or samples, a radius
-/// outside 0 … kLargestTemplateRadius and more than kLargestTemplate samples.
+/// outside 0 … kLargestTemplateRadius, more than kLargestTemplate samples and starts beyond kFarthestTemplateStart.
 TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures);
 
 inline constexpr int kLargestTemplateRadius = 32;
 inline constexpr std::uint32_t kLargestTemplate = 4096;
+inline constexpr int kFarthestTemplateStart = 1 << 20;  // px
 
 }  // namespace ibr

@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "base/check.h"
+#include "image/template_tasks.h"
 
 namespace ibr {
 namespace {
@@ -130,24 +130,16 @@ TemplateMatch best(const Window& window, const std::vector<float>& cost) {
 }  // namespace
 
 TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures) {
+  checkTemplatePictures(pictures);
   auto planes = std::make_shared<std::vector<Planes>>();
-  for (const Image8* picture : pictures) {
-    check(picture->channels == 3 && !picture->empty(), ErrorCode::invalidInput,
-          "template search: a picture has {} channels and {} × {} px", picture->channels, picture->width,
-          picture->height);
-    planes->emplace_back(*picture);
-  }
+  for (const Image8* picture : pictures) planes->emplace_back(*picture);
   return [planes](std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
                   TemplateMeasure measure) {
-    check(radius >= 0 && radius <= kLargestTemplateRadius, ErrorCode::invalidInput,
-          "template search: radius {} is not within 0 to {}", radius, kLargestTemplateRadius);
+    checkTemplateTasks(tasks, samples, radius, planes->size());
     std::vector<TemplateMatch> matches;
     matches.reserve(tasks.size());
     std::vector<float> cost(std::size_t(2 * radius + 1) * std::size_t(2 * radius + 1));
     for (const TemplateTask& task : tasks) {
-      check(task.picture < planes->size() && task.count <= kLargestTemplate && task.first <= samples.size() &&
-                task.count <= samples.size() - task.first,
-            ErrorCode::invalidInput, "template search: task {} is beyond its pictures or samples", matches.size());
       if (task.count == 0) {
         matches.push_back({task.start, std::numeric_limits<float>::infinity()});
         continue;

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "image/template_tasks.h"
+
+#include "base/check.h"
+
+namespace ibr {
+
+void checkTemplatePictures(std::span<const Image8* const> pictures) {
+  for (const Image8* picture : pictures)
+    check(picture->channels == 3 && !picture->empty(), ErrorCode::invalidInput,
+          "template search: a picture has {} channels and {} × {} px", picture->channels, picture->width,
+          picture->height);
+}
+
+void checkTemplateTasks(std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
+                        std::size_t pictures) {
+  check(radius >= 0 && radius <= kLargestTemplateRadius, ErrorCode::invalidInput,
+        "template search: radius {} is not within 0 to {}", radius, kLargestTemplateRadius);
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    const TemplateTask& task = tasks[t];
+    check(task.picture < pictures && task.count <= kLargestTemplate && task.first <= samples.size() &&
+              task.count <= samples.size() - task.first,
+          ErrorCode::invalidInput, "template search: task {} is beyond its pictures or samples", t);
+    const auto near = [](int start) { return start >= -kFarthestTemplateStart && start <= kFarthestTemplateStart; };
+    check(near(task.start.x) && near(task.start.y), ErrorCode::invalidInput,
+          "template search: task {} starts at ({}, {}), more than {} px away", t, task.start.x, task.start.y,
+          kFarthestTemplateStart);
+  }
+}
+
+}  // namespace ibr
