@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/htm_adjacency.h"
+#include "author/htm_trust.h"
 #include "author/parallel.h"
 
 namespace ibr {
@@ -42,18 +43,13 @@ class PairField {
     const VertexMatch& match = matches_[v];
     const glm::dvec2 wanted(match.displacement);
     double weight = 1;
-    if (doubted && count > 0) {
-      const glm::dvec2 off = wanted - sum / count;
-      const double scale = options_.outlierPx * options_.outlierPx;
-      const double trust = scale / (scale + glm::dot(off, off));
-      weight = trust * trust;
-    }
+    if (doubted && count > 0) weight = trustOf(match.information, wanted - sum / count, options_.outlierPx);
     const glm::dvec3 w = weight * glm::dvec3(match.information);
     const double s = options_.smoothness;
     const double xx = w.x + s * count, yy = w.z + s * count, xy = w.y;
     const glm::dvec2 side = s * sum + glm::dvec2(w.x * wanted.x + w.y * wanted.y, w.y * wanted.x + w.z * wanted.y);
     const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 1e-12)) return complements[v];
+    if (!(determinant > 1e-15 * (xx + yy) * (xx + yy))) return complements[v];
     return glm::vec2((yy * side.x - xy * side.y) / determinant, (xx * side.y - xy * side.x) / determinant);
   }
 

@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "author/htm_adjacency.h"
+#include "author/htm_trust.h"
 
 namespace ibr {
 namespace {
@@ -96,12 +97,6 @@ class Consensus {
  private:
   std::size_t at(std::size_t i, std::size_t v) const { return i * vertices_ + v; }
 
-  double trust(const glm::dvec2& residual) const {
-    const double scale = options_.outlierPx * options_.outlierPx;
-    const double t = scale / (scale + glm::dot(residual, residual));
-    return t * t;
-  }
-
   void update(std::size_t i, std::size_t v, bool doubted) {
     Normal2 sum;
     const double prior = 1 / (options_.offsetPx * options_.offsetPx);
@@ -116,13 +111,15 @@ class Consensus {
                           &from = matches_[(j * cameras_ + i) * vertices_ + v];
         if (into.information != glm::vec3(0.0f)) {
           const glm::dvec2 wanted = glm::dvec2(into.displacement) + maps_.between(i, j, v) * offsets_[at(j, v)];
-          sum.add(matrixOf(into.information) * (doubted ? trust(now - wanted) : 1.0), wanted);
+          const double trust = doubted ? trustOf(into.information, now - wanted, options_.outlierPx) : 1.0;
+          sum.add(matrixOf(into.information) * trust, wanted);
         }
         if (from.information != glm::vec3(0.0f)) {
           // b_j = c + J b_i: b_i = J⁻¹ (b_j − c), weighed by Jᵀ W J.
           const glm::dmat2 j2 = maps_.between(j, i, v);
           const glm::dvec2 target = offsets_[at(j, v)] - glm::dvec2(from.displacement);
-          const glm::dmat2 weight = matrixOf(from.information) * (doubted ? trust(target - j2 * now) : 1.0);
+          const double trust = doubted ? trustOf(from.information, target - j2 * now, options_.outlierPx) : 1.0;
+          const glm::dmat2 weight = matrixOf(from.information) * trust;
           sum.matrix += glm::transpose(j2) * weight * j2;
           sum.side += glm::transpose(j2) * (weight * target);
         }

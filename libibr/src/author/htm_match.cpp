@@ -167,7 +167,7 @@ VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> 
   constexpr double kMostPrecise = 0.15;  // px
   if (samples.empty()) return {};
   const double n = double(samples.size());
-  const double gate = leastTexture * leastTexture * n;
+  const double gate = std::max(leastTexture * leastTexture, 1e-6) * n;  // never 0: what is flat is not divided by
   glm::dvec2 at = start;
   Normal normal = normalAt(picture, samples, at);
   for (int step = 0; step < kSteps; ++step) {

@@ -78,8 +78,8 @@ inline Camera disturbed(Camera camera, double turn, double shift, int seed) {
   return camera;
 }
 
-/// Where picture i, that camera truly[i] took, shows what picture j shows at each vertex projected by given[j], less the
-/// vertex projected by given[i]. At complementIndex; NaN where there is no such point.
+/// Where picture i, that camera truly[i] took, shows what picture j shows at each vertex projected by given[j], less
+/// the vertex projected by given[i]. At complementIndex; NaN where there is no such point.
 inline std::vector<glm::vec2> trueComplements(const TriangleMesh& mesh, const std::vector<Camera>& truly,
                                               const std::vector<Camera>& given) {
   const std::size_t n = mesh.positions.size(), cameras = truly.size();

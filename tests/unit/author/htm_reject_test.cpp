@@ -139,13 +139,14 @@ TEST_CASE("A camera that photographed something else is found out") {
   CHECK(meanOf(0, 1).first > 30);
   CHECK(meanOf(0, 1).second < 0.3);
   const std::vector<float> scores(10 * members.size(), 1.0f);
-  const auto left = agreeingMembers(10, members, agreements(mesh, projectedMeshes(mesh, views), members, {}, {}, 2),
-                                    scores, {});
+  const auto left =
+      agreeingMembers(10, members, agreements(mesh, projectedMeshes(mesh, views), members, {}, {}, 2), scores, {});
   std::size_t wrong = 0, right = 0, had = 0, others = 0;
   for (std::size_t v = 0; v < members.size(); ++v) {
     if (std::popcount(members[v]) < 3) continue;
     wrong += left[v] >> 1 & 1, had += members[v] >> 1 & 1;
-    right += std::size_t(std::popcount(left[v] & ~CameraSet(2))), others += std::size_t(std::popcount(members[v] & ~CameraSet(2)));
+    right += std::size_t(std::popcount(left[v] & ~CameraSet(2))),
+        others += std::size_t(std::popcount(members[v] & ~CameraSet(2)));
   }
   REQUIRE(had > 20);
   CHECK(double(wrong) < 0.1 * double(had));

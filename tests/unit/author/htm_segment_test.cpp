@@ -94,8 +94,7 @@ TEST_CASE("Segments grow by rings to the least radius and end at the largest") {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) disc += glm::distance(glm::dvec2(x + 0.5, y + 0.5), middle) <= 12;
   CHECK(near.of(kMiddle).size() == disc);
-  for (const SegmentPixel& pixel : near.of(kMiddle))
-    CHECK(glm::distance(glm::dvec2(pixel.pixel) + 0.5, middle) <= 12);
+  for (const SegmentPixel& pixel : near.of(kMiddle)) CHECK(glm::distance(glm::dvec2(pixel.pixel) + 0.5, middle) <= 12);
   CHECK(sizeOf(14, 24) > sizeOf(2, 24));
   // The default stays within what a search takes.
   CHECK(3.15 * 24.5 * 24.5 < kLargestTemplate);
@@ -109,8 +108,8 @@ TEST_CASE("There is no segment where nothing is seen") {
     return Segments(grid.mesh, grid.faces, projected, {}).of(v).empty();
   };
   CHECK(!emptyFrom(lookingAt({4, 4, 10}, {4, 4, 0}), kMiddle));
-  CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 20}), kMiddle));   // behind
-  CHECK(emptyFrom(lookingAt({4, 4, 10}, {90, 4, 0}), kMiddle));   // outside
+  CHECK(emptyFrom(lookingAt({4, 4, 10}, {4, 4, 20}), kMiddle));  // behind
+  CHECK(emptyFrom(lookingAt({4, 4, 10}, {90, 4, 0}), kMiddle));  // outside
   CHECK(emptyFrom(lookingAt({-4, 4, 1e-9}, {-5, 4, 0}), kMiddle));
   grid.mesh.positions.emplace_back(4, 4, 0);  // of no face
   grid.faces = facesAtVertices(grid.mesh);

@@ -51,7 +51,8 @@ TEST_CASE("A pinhole's pixels are those of the camera model, and points come bac
   const PinholeView view(camera);
   for (const glm::dvec3& point : {glm::dvec3(0), {0.4, 0.2, -0.5}, {-2, 1, 0}}) {
     const auto seen = view.seen(point);
-    const auto expected = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
+    const auto expected =
+        project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
     REQUIRE(seen);
     CHECK(glm::distance(seen->pixel, *expected) < 1e-9);
     CHECK(glm::distance(view.point(seen->pixel, seen->depth), point) < 1e-12);
@@ -98,14 +99,15 @@ TEST_CASE("A point is visible unless it is hidden, masked, outside or behind") {
     const auto sees = [&](glm::dvec3 point) { return projected(mesh, view).visible(offset + point).has_value(); };
     CHECK(sees({0, 0, 0}));
     CHECK(sees({0.2, -0.2, 0}));
-    CHECK(sees({0, 0, 1}));          // before the boards
-    CHECK(!sees({0, 0, -1}));        // behind the small board
+    CHECK(sees({0, 0, 1}));    // before the boards
+    CHECK(!sees({0, 0, -1}));  // behind the small board
     CHECK(!sees({0.3, 0.3, -1}));
     CHECK(sees({0.6, 0.6, -1}));
-    CHECK(!sees({0, 0, 3}));         // behind the camera
-    CHECK(!sees({5, 0, -1}));        // outside the picture
+    CHECK(!sees({0, 0, 3}));   // behind the camera
+    CHECK(!sees({5, 0, -1}));  // outside the picture
     CHECK(!sees({0, 0, -0.02}));
     CHECK(projected(mesh, view).visible(offset)->x == Approx(60).margin(1e-6));
+    CHECK(projected(board(offset, 0.5), view).visible(offset + glm::dvec3(0.5, 0.5, 0)));  // beside the mesh
     view.mask = Image8(view.camera.intrinsics.width, view.camera.intrinsics.height, 1);
     for (int y = 0; y < view.mask.height; ++y)
       for (int x = 0; x < 60; ++x) view.mask.pixel(x, y)[0] = 128;

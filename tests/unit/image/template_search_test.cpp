@@ -179,7 +179,8 @@ TEST_CASE("Tasks are answered in their order, also those without samples") {
   std::vector<TemplateSample> samples = square(a, {20, 20}, 6, {2, 1});
   const auto second = square(b, {10, 30}, 6, {-3, 4});
   samples.insert(samples.end(), second.begin(), second.end());
-  const std::vector<TemplateTask> tasks{{1, 36, 36, {0, 0}}, {0, 72, 0, {7, -7}}, {0, 0, 36, {0, 0}}, {1, 5, 0, {0, 0}}};
+  const std::vector<TemplateTask> tasks{
+      {1, 36, 36, {0, 0}}, {0, 72, 0, {7, -7}}, {0, 0, 36, {0, 0}}, {1, 5, 0, {0, 0}}};
   for (const TemplateMeasure measure : {absoluteDifferences, correlation}) {
     const auto matches = search(tasks, samples, 5, measure);
     REQUIRE(matches.size() == 4);
@@ -213,8 +214,9 @@ TEST_CASE("What a search cannot do is said") {
   const auto search = processorTemplateSearch(pictures);
   const auto samples = square(picture, {0, 0}, 10, {0, 0});
   const auto fails = [&](const TemplateTask& task, int radius) {
-    CHECK(test::errorOf([&] { search({&task, 1}, samples, radius, absoluteDifferences); }).code() ==
-          ErrorCode::invalidInput);
+    CHECK(test::errorOf([&] {
+            search({&task, 1}, samples, radius, absoluteDifferences);
+          }).code() == ErrorCode::invalidInput);
   };
   fails({0, 0, 10, {0, 0}}, -1);
   fails({0, 0, 10, {0, 0}}, kLargestTemplateRadius + 1);
