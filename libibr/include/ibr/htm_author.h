@@ -104,7 +104,8 @@ struct HtmResult {
 };
 
 /// Deterministic. Throws Error: invalidInput (more cameras than a model holds, sizes that differ, options out of range,
-/// a mesh that no camera sees), cancelled, and what the search throws.
+/// pictures of more than 32767 px a side, a mesh that no camera sees or that is not finite or whose indices are out of
+/// range), cancelled, and what the search throws.
 HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> photographs, const HtmOptions& options,
                     const ProgressCallback& progress = {}, const LogCallback& log = {});
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -354,12 +355,25 @@ class Harmoniser {
   HtmResult result_;
 };
 
+void checkMesh(const TriangleMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    for (int c = 0; c < 3; ++c)
+      check(std::isfinite(mesh.positions[v][c]), ErrorCode::invalidInput, "harmonise: vertex {} of the mesh is not finite",
+            v);
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
+    for (int k = 0; k < 3; ++k)
+      check(mesh.triangles[f][k] < mesh.positions.size(), ErrorCode::invalidInput,
+            "harmonise: face {} of the mesh has vertex {} of {}", f, mesh.triangles[f][k], mesh.positions.size());
+}
+
 void checkPhotographs(std::span<const HtmPhotograph> photographs) {
   check(!photographs.empty() && photographs.size() <= kLargestHtmCameraCount, ErrorCode::invalidInput,
         "harmonise: {} cameras, not 1 to {}", photographs.size(), kLargestHtmCameraCount);
   for (const HtmPhotograph& p : photographs) {
     const Intrinsics& k = p.camera.camera.intrinsics;
     check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "{}: is no pinhole", p.camera.name);
+    check(std::max(k.width, k.height) <= std::numeric_limits<std::int16_t>::max(), ErrorCode::invalidInput,
+          "{}: {} × {} px, more than templates count", p.camera.name, k.width, k.height);  // TemplateSample
     check(p.picture.channels == 3 && p.picture.width == k.width && p.picture.height == k.height,
           ErrorCode::invalidInput, "{}: the picture is {} × {}, its camera {} × {}", p.camera.name, p.picture.width,
           p.picture.height, k.width, k.height);
@@ -374,6 +388,7 @@ void checkPhotographs(std::span<const HtmPhotograph> photographs) {
 HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> photographs, const HtmOptions& options,
                     const ProgressCallback& progress, const LogCallback&) {
   checkOptions(options);
+  checkMesh(mesh);
   checkPhotographs(photographs);
   return Harmoniser(photographs, options, progress).run(mesh, photographs);
 }

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: Apache-2.0
+// [H] Alg. 2 from end to end, on a small body whose photographs are exact.
+#include <bit>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "htm_object.h"
+#include "ibr/htm_author.h"
+#include "support/error_of.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kCameras = 8;
+
+test::BumpyModel body(int cameras = kCameras, glm::dvec3 middle = glm::dvec3(0)) {
+  test::BumpyOptions options;
+  options.cameras = cameras;
+  options.disagreement = 0;
+  options.middle = middle;
+  return test::bumpyModel(options);
+}
+
+const test::BumpyModel& theBody() {
+  static const test::BumpyModel bumpy = body();
+  return bumpy;
+}
+
+// Quick, and the mesh as it is.
+HtmOptions plainOptions() {
+  HtmOptions options;
+  options.faces = 0;
+  options.inconsistentShare = 0;
+  options.adjustRounds = 0;
+  options.rounds = 1;
+  options.radius = 8;
+  options.threads = 1;
+  return options;
+}
+
+std::vector<HtmPhotograph> disturbed(std::vector<HtmPhotograph> photographs) {
+  for (std::size_t i = 0; i < photographs.size(); ++i)
+    photographs[i].camera.camera = test::disturbed(photographs[i].camera.camera, 0.006, 0.008, int(i));
+  return photographs;
+}
+
+double medianLength(const std::vector<glm::vec2>& complements) {
+  std::vector<double> lengths;
+  for (const glm::vec2& c : complements)
+    if (c != glm::vec2(0)) lengths.push_back(glm::length(c));
+  REQUIRE(lengths.size() > 100);
+  std::ranges::nth_element(lengths, lengths.begin() + std::ptrdiff_t(lengths.size() / 2));
+  return lengths[lengths.size() / 2];
+}
+
+void checkWhole(const HtmResult& result, std::size_t cameras) {
+  for (const Fault& fault : validate(result.model)) FAIL_CHECK(fault.field << ": " << fault.message);
+  CHECK(result.model.cameras.size() == cameras);
+  CHECK(result.visibility.size() == cameras);
+  CHECK(result.model.complements.size() == cameras * cameras * result.model.vertexCount());
+  CHECK(!result.stages.empty());
+  for (const HtmResult::Stage& stage : result.stages) CHECK(stage.difference.size() == stage.mesh.triangles.size());
+  for (const HtmReport::Round& round : result.report.rounds) {
+    CHECK((std::isfinite(round.before) && std::isfinite(round.after)));
+    CHECK((round.measured >= 0 && round.measured <= 1));
+  }
+  CHECK((result.report.rejected >= 0 && result.report.rejected <= 1));
+}
+
+bool same(const HtmResult& a, const HtmResult& b) {
+  bool cameras = a.model.cameras.size() == b.model.cameras.size();
+  for (std::size_t i = 0; cameras && i < a.model.cameras.size(); ++i) {
+    const Camera &x = a.model.cameras[i].camera, &y = b.model.cameras[i].camera;
+    cameras = x.pose.position == y.pose.position && x.pose.rotation == y.pose.rotation &&
+              x.intrinsics == y.intrinsics && a.visibility[i].values == b.visibility[i].values;
+  }
+  return cameras && a.model.surface.mesh == b.model.surface.mesh &&
+         a.model.surface.members == b.model.surface.members && a.model.complements == b.model.complements;
+}
+
+}  // namespace
+
+TEST_CASE("Exact cameras and an exact mesh have no complements to speak of") {
+  const HtmResult result = harmonise(theBody().model.surface.mesh, test::photographsOf(theBody()), plainOptions());
+  checkWhole(result, kCameras);
+  CHECK(medianLength(result.model.complements) < 0.1);
+  REQUIRE(result.report.rounds.size() == 1);
+  CHECK(result.report.rounds[0].before < 2);
+  CHECK(result.report.rounds[0].after < result.report.rounds[0].before + 0.1);
+  CHECK(result.report.rounds[0].measured > 0.3);
+  CHECK(result.report.rejected < 0.12);  // slanted views
+  CHECK(result.model.source.has_value());
+  CHECK(result.model.source->mesh == theBody().model.surface.mesh);
+  for (const HtmCamera& camera : result.model.cameras) CHECK(!camera.given);
+}
+
+TEST_CASE("Cameras that are wrong are bent until pictures agree, or put right") {
+  const auto photographs = disturbed(test::photographsOf(theBody()));
+  const TriangleMesh& mesh = theBody().model.surface.mesh;
+  HtmOptions options = plainOptions();
+  const HtmResult bent = harmonise(mesh, photographs, options);
+  checkWhole(bent, kCameras);
+  CHECK(bent.report.rounds[0].after < 0.6 * bent.report.rounds[0].before);
+  CHECK(medianLength(bent.model.complements) > 0.8);
+  options.adjustRounds = 2;
+  const HtmResult adjusted = harmonise(mesh, photographs, options);
+  checkWhole(adjusted, kCameras);
+  REQUIRE(adjusted.report.adjustments.size() == 2);
+  CHECK(adjusted.report.adjustments[0].afterPx < adjusted.report.adjustments[0].beforePx);
+  CHECK(adjusted.report.adjustments[1].beforePx < adjusted.report.adjustments[0].beforePx);
+  CHECK(adjusted.report.rounds[0].before < 0.5 * bent.report.rounds[0].before);
+  CHECK(adjusted.report.rounds[0].after <= bent.report.rounds[0].after);
+  for (std::size_t i = 0; i < kCameras; ++i) {
+    REQUIRE(adjusted.model.cameras[i].given);
+    CHECK(adjusted.model.cameras[i].given->pose.position == photographs[i].camera.camera.pose.position);
+  }
+}
+
+TEST_CASE("Faces are merged and divided as options say, and all of it is reported") {
+  const auto photographs = disturbed(test::photographsOf(theBody()));
+  HtmOptions options = plainOptions();
+  options.faces = 300;
+  options.inconsistentShare = 0.1;
+  options.inconsistentDifference = 4;
+  options.rounds = 2;
+  options.meanDifference = 0.1;
+  options.faceDifference = 2;
+  options.leastFacePx = 10;
+  std::vector<std::string> told;
+  const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options, [&](const Progress& p) {
+    CHECK((p.total == 0 || p.done <= p.total));
+    if (told.empty() || told.back() != p.stage) told.emplace_back(p.stage);
+    return true;
+  });
+  checkWhole(result, kCameras);
+  const HtmReport& report = result.report;
+  CHECK(report.sourceFaces == theBody().model.surface.mesh.triangles.size());
+  CHECK(report.reducedFaces <= 300);
+  CHECK(report.collapses > 0);
+  REQUIRE(report.rounds.size() == 2);
+  CHECK(report.rounds[0].faces == report.reducedFaces - 2 * report.collapses);
+  CHECK(report.rounds[0].divided > 0);
+  CHECK(report.rounds[1].faces > report.rounds[0].faces);
+  CHECK(report.rounds[1].divided == 0);
+  CHECK(report.rounds[1].after < report.rounds[1].before);
+  CHECK(result.model.surface.mesh.triangles.size() == report.rounds[1].faces);
+  CHECK(report.complementBytes == result.model.complements.size() * 8);
+  std::vector<std::string> names;
+  for (const HtmResult::Stage& stage : result.stages) names.push_back(stage.name);
+  CHECK(names == std::vector<std::string>{"original", "reduced by shape", "reduced by texture", "refined"});
+  CHECK(told.size() > 4);
+  options.mostFaces = 1;
+  options.keepSource = false;
+  options.reject = false;
+  const HtmResult fewer = harmonise(theBody().model.surface.mesh, photographs, options);
+  CHECK(fewer.report.rounds.size() == 1);
+  CHECK(!fewer.model.source);
+  CHECK(fewer.report.rejected == 0);
+}
+
+TEST_CASE("The same comes out twice, on any number of threads") {
+  const test::BumpyModel bumpy = body(6);
+  const auto photographs = disturbed(test::photographsOf(bumpy));
+  HtmOptions options = plainOptions();
+  options.faces = 250;
+  options.inconsistentShare = 0.1;
+  options.inconsistentDifference = 4;
+  options.adjustRounds = 1;
+  options.rounds = 2;
+  options.radius = 4;
+  const TriangleMesh& mesh = bumpy.model.surface.mesh;
+  const HtmResult once = harmonise(mesh, photographs, options);
+  CHECK(same(once, harmonise(mesh, photographs, options)));
+  options.threads = 2;
+  CHECK(same(once, harmonise(mesh, photographs, options)));
+}
+
+TEST_CASE("Neither the cameras' order nor the world's place changes a model") {
+  const test::BumpyModel bumpy = body(6);
+  const auto photographs = disturbed(test::photographsOf(bumpy));
+  const TriangleMesh& mesh = bumpy.model.surface.mesh;
+  const HtmOptions options = plainOptions();
+  const HtmResult result = harmonise(mesh, photographs, options);
+  const std::size_t n = photographs.size();
+  SECTION("order") {
+    std::vector<HtmPhotograph> turned(photographs.rbegin(), photographs.rend());
+    const HtmResult other = harmonise(mesh, turned, options);
+    CHECK(other.report.rounds[0].after == Approx(result.report.rounds[0].after));
+    int different = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+      for (std::size_t i = 0; i < n; ++i) {
+        const CameraSet a = result.model.surface.members[v], b = other.model.surface.members[v];
+        if ((a >> i & 1) != (b >> (n - 1 - i) & 1)) {
+          ++different;
+          continue;
+        }
+        for (std::size_t j = 0; j < n; ++j)
+          different +=
+              glm::distance(result.model.complements[result.model.complementIndex(i, j, v)],
+                            other.model.complements[other.model.complementIndex(n - 1 - i, n - 1 - j, v)]) > 1e-4;
+      }
+    CHECK(different < 20);  // where as many cameras agree as do without them, looking as well
+  }
+  SECTION("place") {
+    const glm::dvec3 away(1e5, -2e5, 3e5);
+    std::vector<HtmPhotograph> there = photographs;
+    for (HtmPhotograph& p : there) p.camera.camera.pose.position += away;
+    const HtmResult other = harmonise(test::moved(mesh, away), there, options);
+    CHECK(other.report.rounds[0].after == Approx(result.report.rounds[0].after).epsilon(1e-3));
+    CHECK(other.report.camerasPerVertex == Approx(result.report.camerasPerVertex).epsilon(1e-3));
+    std::vector<double> apart;
+    for (std::size_t k = 0; k < result.model.complements.size(); ++k)
+      apart.push_back(glm::distance(result.model.complements[k], other.model.complements[k]));
+    std::ranges::sort(apart);
+    CHECK(apart[apart.size() * 99 / 100] < 0.01);
+  }
+}
+
+TEST_CASE("A camera that photographed something else takes no part") {
+  auto photographs = test::photographsOf(theBody());
+  std::mt19937 random(4);
+  Image8& picture = photographs[3].picture;
+  for (int y = 0; y < picture.height; y += 4)
+    for (int x = 0; x < picture.width; x += 4) {
+      const std::array colour{random(), random(), random()};
+      for (int k = 0; k < 16; ++k)
+        for (std::size_t c = 0; c < 3; ++c) picture.pixel(x + k % 4, y + k / 4)[c] = std::uint8_t(colour[c]);
+    }
+  HtmOptions options = plainOptions();
+  const auto sharesOf = [&] {
+    const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options);
+    checkWhole(result, kCameras);
+    std::array<double, 2> share{};  // of camera 3, of the others, where three or more see a vertex
+    std::array<double, 2> had{};
+    for (std::size_t v = 0; v < result.model.vertexCount(); ++v) {
+      const CameraSet before = result.model.source->members[v], after = result.model.surface.members[v];
+      CHECK((after & ~before) == 0);
+      if (std::popcount(before) < 3) continue;
+      for (std::size_t i = 0; i < kCameras; ++i)
+        if (before >> i & 1) ++had[i != 3], share[i != 3] += double(after >> i & 1);
+      for (std::size_t j = 0; j < kCameras; ++j)
+        if ((after >> 3 & 1) == 0)
+          CHECK(result.model.complements[result.model.complementIndex(3, j, v)] == glm::vec2(0));
+    }
+    REQUIRE(had[0] > 20);
+    return std::array{share[0] / had[0], share[1] / had[1]};
+  };
+  const auto rejected = sharesOf();
+  CHECK(rejected[0] < 0.1);
+  CHECK(rejected[1] > 0.9);
+  options.reject = false;
+  CHECK(sharesOf() == std::array{1.0, 1.0});
+}
+
+TEST_CASE("One camera is a model, and masks bound what is seen") {
+  auto photographs = test::photographsOf(theBody());
+  photographs.resize(1);
+  HtmOptions options;
+  options.faces = 200;
+  options.threads = 1;
+  const HtmResult result = harmonise(theBody().model.surface.mesh, photographs, options);
+  checkWhole(result, 1);
+  for (const glm::vec2& c : result.model.complements) CHECK(c == glm::vec2(0));
+  CHECK(result.report.rounds.back().after == 0);
+  photographs[0].mask = Image8(160, 120, 1);
+  CHECK(test::errorOf([&] { harmonise(theBody().model.surface.mesh, photographs, options); }).code() ==
+        ErrorCode::invalidInput);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 160; ++x) photographs[0].mask.pixel(x, y)[0] = 255;
+  const HtmResult half = harmonise(theBody().model.surface.mesh, photographs, options);
+  CHECK(half.report.camerasPerVertex < 0.8 * result.report.camerasPerVertex);
+  for (int x = 0; x < 160; ++x) CHECK(half.visibility[0].pixel(x, 60)[0] == 0);
+}
+
+TEST_CASE("Nothing is made of what cannot be") {
+  const auto photographs = test::photographsOf(theBody());
+  const TriangleMesh& mesh = theBody().model.surface.mesh;
+  const auto refused = [&](const TriangleMesh& of, const std::vector<HtmPhotograph>& by, const HtmOptions& options,
+                           const std::string& what) {
+    INFO(what);
+    const Error error = test::errorOf([&] { harmonise(of, by, options); });
+    CHECK(error.code() == ErrorCode::invalidInput);
+    CHECK_THAT(error.what(), Catch::Contains(what));
+  };
+  const HtmOptions good = plainOptions();
+  refused(mesh, {}, good, "0 cameras");
+  refused(mesh, std::vector<HtmPhotograph>(65, photographs[0]), good, "65 cameras");
+  refused({}, photographs, good, "no camera sees");
+  TriangleMesh far = test::moved(mesh, {100, 100, 100});
+  refused(far, photographs, good, "no camera sees");
+  TriangleMesh broken = mesh;
+  broken.triangles[7].y = glm::uint(mesh.positions.size());
+  refused(broken, photographs, good, "face 7");
+  broken = mesh;
+  broken.positions[5].z = std::nan("");
+  refused(broken, photographs, good, "vertex 5");
+  auto by = photographs;
+  by[2].picture = Image8(160, 119, 3);
+  refused(mesh, by, good, by[2].camera.name);
+  by[2].picture = Image8(160, 120, 1);
+  refused(mesh, by, good, by[2].camera.name);
+  by = photographs;
+  by[1].mask = Image8(80, 60, 1);
+  refused(mesh, by, good, "mask");
+  by = photographs;
+  by[4].camera.camera.intrinsics.model = CameraModel::equirectangular;
+  refused(mesh, by, good, by[4].camera.name);
+  by = photographs;
+  by[0].camera.camera.intrinsics.width = 40000;
+  by[0].camera.camera.intrinsics.height = 1;
+  by[0].picture = Image8(40000, 1, 3);
+  refused(mesh, by, good, by[0].camera.name);
+  const auto with = [&](auto&& change) {
+    HtmOptions options = good;
+    change(options);
+    return options;
+  };
+  refused(mesh, photographs, with([](HtmOptions& o) { o.rounds = 0; }), "rounds");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.radius = 0; }), "radius");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.laterRadius = 65; }), "laterRadius");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.smoothness = std::nan(""); }), "smoothness");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.alpha = 1.1; }), "alpha");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.gamma1 = 0; }), "gamma1");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.outlierPx = 0; }), "outlierPx");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.adjustRounds = -1; }), "adjustRounds");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.adjustSmoothness = -1; }), "adjustSmoothness");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.leastTexture = HUGE_VAL; }), "leastTexture");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.inconsistentShare = -0.1; }), "inconsistentShare");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.meanDifference = std::nan(""); }), "meanDifference");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.leastFacePx = -1; }), "leastFacePx");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.rejectCorrelation = 2; }), "rejectCorrelation");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.softPx = 0; }), "softPx");
+}
+
+TEST_CASE("Harmonising ends at any step when it is told to") {
+  const test::BumpyModel bumpy = body(3);
+  HtmOptions options = plainOptions();
+  options.faces = 150;
+  options.adjustRounds = 1;
+  options.radius = 2;
+  const auto photographs = test::photographsOf(bumpy);
+  int steps = 0;
+  harmonise(bumpy.model.surface.mesh, photographs, options, [&](const Progress&) { return ++steps > 0; });
+  for (int last = 0; last < std::min(steps, 30); ++last) {
+    int left = last;
+    const auto stop = [&](const Progress&) { return left-- > 0; };
+    CHECK(test::errorOf([&] { harmonise(bumpy.model.surface.mesh, photographs, options, stop); }).code() ==
+          ErrorCode::cancelled);
+  }
+}
+
+}  // namespace ibr
