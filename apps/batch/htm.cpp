@@ -8,7 +8,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr std::array kCommands{&kHtmBuildCommand, &kHtmRenderCommand, &kHtmEvalCommand};
+constexpr std::array kCommands{&kHtmBuildCommand, &kHtmSequenceCommand, &kHtmRenderCommand, &kHtmEvalCommand};
 
 }  // namespace
 
@@ -34,6 +34,7 @@ const Command kHtmCommand{.name = "htm",
                           .summary = "An object as a mesh with photographs that are bent until they agree",
                           .examples =
                               "ibr htm build --mesh object.ply --model sparse --images images --masks masks -o model\n"
+                              "ibr htm sequence frames -o video --fps 25\n"
                               "ibr htm render model --path auto:90 -o pictures\n"
                               "ibr htm eval model --leave-one-out -o comparison",
                           .details = "",

@@ -9,7 +9,7 @@
 
 namespace ibr::app {
 
-extern const Command kHtmBuildCommand, kHtmRenderCommand, kHtmEvalCommand;
+extern const Command kHtmBuildCommand, kHtmSequenceCommand, kHtmRenderCommand, kHtmEvalCommand;
 
 /// "htm", "vdtbm", "vdvbm": the methods as [H] §4.2 names them.
 const char* htmMethodName(HtmMethod method);

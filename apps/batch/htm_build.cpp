@@ -4,11 +4,11 @@
 
 #include "batch/htm.h"
 #include "batch/htm_options.h"
+#include "batch/htm_report.h"
 #include "batch/htm_stage_pictures.h"
 #include "batch/options.h"
 #include "batch/progress.h"
 #include "batch/table.h"
-#include "ibr/template_search_pass.h"
 
 namespace ibr::app {
 namespace {
@@ -16,8 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  HtmBuildOptions build;
-  bool matchOnDevice = false;
+  HtmBuildChoices choices;
   std::string mesh, model, images, masks, output, stages;
 };
 
@@ -53,50 +52,14 @@ void printReport(const HtmReport& report, const HtmBuildOptions& options, const 
                 bytesText(double(report.complementBytes)));
 }
 
-Json reportJson(const HtmReport& report, const HtmBuildOptions& options) {
-  Json json{{"model", options.output.string()},
-            {"mesh", options.mesh.string()},
-            {"sourceFaces", report.sourceFaces},
-            {"reducedFaces", report.reducedFaces},
-            {"toReduced", {{"mean", report.reducedMean}, {"max", report.reducedMost}}},
-            {"toSource", {{"mean", report.restoredMean}, {"max", report.restoredMost}}},
-            {"adjustments", Json::array()},
-            {"collapses", report.collapses},
-            {"differenceReduced", report.reducedDifference},
-            {"differenceCollapsed", report.collapsedDifference},
-            {"rounds", Json::array()},
-            {"camerasPerVertex", report.camerasPerVertex},
-            {"rejected", report.rejected},
-            {"complementBytes", report.complementBytes},
-            {"stages", Json::array()}};
-  for (const HtmReport::Adjustment& line : report.adjustments)
-    json["adjustments"].push_back({{"beforePx", line.beforePx}, {"afterPx", line.afterPx}});
-  for (const HtmReport::Round& round : report.rounds)
-    json["rounds"].push_back({{"vertices", round.vertices},
-                              {"faces", round.faces},
-                              {"before", round.before},
-                              {"after", round.after},
-                              {"measured", round.measured},
-                              {"divided", round.divided},
-                              {"divideHidden", round.divideHidden}});
-  for (const HtmReport::Stage& stage : report.stages)
-    json["stages"].push_back({{"stage", stage.name}, {"seconds", stage.seconds}});
-  return json;
-}
-
 ExitCode buildModel(const Options& options, const Context& context) {
-  HtmBuildOptions build = options.build;
+  HtmBuildOptions build = options.choices.build;
   build.mesh = options.mesh;
   build.model = options.model;
   build.images = options.images;
   build.masks = options.masks;
   build.output = options.output;
-  build.optimise = withThreads(build.optimise, context);
-  std::unique_ptr<Device> device;
-  if (options.matchOnDevice) {
-    device = std::make_unique<Device>(Device::create({.device = context.options().device, .log = context.log()}));
-    build.optimise.search = deviceTemplateSearch(*device);
-  }
+  const std::unique_ptr<Device> device = prepare(build, options.choices, context);
   HtmResult result;
   {
     ProgressLine progress(context);
@@ -104,7 +67,9 @@ ExitCode buildModel(const Options& options, const Context& context) {
   }
   if (!options.stages.empty()) writeStages(options.stages, result.stages, result.model.cameras.front().camera);
   printReport(result.report, build, context);
-  context.report(reportJson(result.report, build).dump(2, ' ', false, Json::error_handler_t::replace));
+  Json report{{"model", options.output}, {"mesh", options.mesh}};
+  report.update(htmReportJson(result.report));
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 
@@ -134,13 +99,8 @@ const Command kHtmBuildCommand{
       app.add_option("-o,--output", options->output, "Model folder; made where it is missing")
           ->required()
           ->type_name("MODEL");
-      app.add_option("--exclude", options->build.exclude, "Photographs to leave out, by their names in the model")
-          ->type_name("NAME");
-      addInt(app, "--max-size", options->build.maxSize, 0, 65536, "Longest side of the stored photographs; 0: as they are");
       app.add_option("--stages", options->stages, "Folder for the meshes on the way")->type_name("DIR");
-      addChoice<bool>(app, "--match", options->matchOnDevice, {{"processor", false}, {"device", true}},
-                      "Who searches for what photographs show at a vertex; both find the same [processor]");
-      declareHtmOptions(app, options->build.optimise);
+      declareHtmBuildOptions(app, options->choices);
       return [options](const Context& context) { return buildModel(*options, context); };
     }};
 

@@ -2,8 +2,11 @@
 #include "batch/htm_options.h"
 
 #include "batch/options.h"
+#include "ibr/template_search_pass.h"
 
 namespace ibr::app {
+
+namespace {
 
 void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   app.add_option_function<std::string>(
@@ -42,6 +45,25 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   addDouble(app, "--alpha", o.alpha, 0, 1, "Eq. 2: what facing a face counts against its size");
   addDouble(app, "--gamma1", o.gamma1, 1e-6, 1e6, "Eq. 3: how much facing counts");
   addDouble(app, "--soft", o.softPx, 1e-3, 1e3, "px over which a picture fades at edges of the object");
+}
+
+}  // namespace
+
+void declareHtmBuildOptions(CLI::App& app, HtmBuildChoices& choices) {
+  app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
+      ->type_name("NAME");
+  addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of the stored photographs; 0: as they are");
+  addChoice<bool>(app, "--match", choices.matchOnDevice, {{"processor", false}, {"device", true}},
+                  "Who searches for what photographs show at a vertex; both find the same [processor]");
+  declareHtmOptions(app, choices.build.optimise);
+}
+
+std::unique_ptr<Device> prepare(HtmBuildOptions& build, const HtmBuildChoices& choices, const Context& context) {
+  build.optimise = withThreads(build.optimise, context);
+  if (!choices.matchOnDevice) return nullptr;
+  auto device = std::make_unique<Device>(Device::create({.device = context.options().device, .log = context.log()}));
+  build.optimise.search = deviceTemplateSearch(*device);
+  return device;
 }
 
 HtmOptions withThreads(HtmOptions options, const Context& context) {
