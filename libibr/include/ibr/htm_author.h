@@ -52,7 +52,7 @@ struct HtmOptions {
 };
 
 /// The options that a model's `settings` tell; those it does not tell are the defaults. Throws Error{invalidInput} where
-/// one has another type.
+/// one has another type or is no such number.
 HtmOptions htmOptionsOf(const std::string& settings);
 
 /// A camera with what it took.
@@ -120,8 +120,8 @@ struct HtmBuildOptions {
   HtmOptions optimise;
 };
 
-/// Reads the input. Cameras that distort are those of the undistorted pictures. Throws Error (io, invalidInput) that
-/// names the file.
+/// Reads the input. Cameras that distort are those of the undistorted pictures. Masks are as large as the files of their
+/// photographs. Throws Error (io, invalidInput) that names the file.
 std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
                                                                  const LogCallback& log = {});
 

@@ -25,14 +25,23 @@ fs::path maskFile(const fs::path& folder, const std::string& name) {
   return replaced;
 }
 
+struct Size {
+  int width, height;
+  bool operator==(const Size&) const = default;
+};
+Size sizeOf(const fs::path& file, bool upright) {
+  const ImageFileInfo info = probeImage(file);
+  return upright && info.orientation >= 5 ? Size{info.height, info.width} : Size{info.width, info.height};
+}
+
 // Goes the photograph's way: turned, undistorted and resized as it is.
 Image8 loadMask(Photograph photograph, const fs::path& file) {
+  const Size wanted = sizeOf(photograph.source, photograph.applyOrientation),
+             size = sizeOf(file, photograph.applyOrientation);
+  check(size == wanted, ErrorCode::invalidInput, "{}: the mask is {} × {}, {} is {} × {}", file.string(), size.width,
+        size.height, photograph.source.string(), wanted.width, wanted.height);
   photograph.source = file;
-  const ImageFileInfo picture = probeImage(file);
   const Image8 colour = loadPhotograph(photograph);
-  check(colour.width == photograph.camera.intrinsics.width && colour.height == photograph.camera.intrinsics.height,
-        ErrorCode::invalidInput, "{}: the mask is {} × {}, {} another size", file.string(), picture.width,
-        picture.height, photograph.name);
   Image8 mask(colour.width, colour.height, 1);
   for (std::size_t p = 0; p < mask.values.size(); ++p) mask.values[p] = colour.values[3 * p];
   return mask;

@@ -2,6 +2,7 @@
 #include "author/htm_settings.h"
 
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "base/check.h"
 
@@ -40,12 +41,25 @@ void forSettings(Options& o, Visit&& visit) {
 
 constexpr const char* kMeasure = "measure";
 constexpr const char* kCorrelation = "ncc";
+constexpr const char* kDifferences = "sad";
+
+template <class T>
+bool fits(const Json& json) {
+  if constexpr (std::is_same_v<T, bool>)
+    return json.is_boolean();
+  else if constexpr (std::is_unsigned_v<T>)
+    return json.is_number_unsigned();
+  else if constexpr (std::is_integral_v<T>)
+    return json.is_number_integer() && json == Json(json.get<T>());
+  else
+    return json.is_number();
+}
 
 }  // namespace
 
 std::string htmSettingsText(const HtmBuildOptions& options) {
   Json json{{"maxSize", options.maxSize},
-            {kMeasure, options.optimise.measure == TemplateMeasure::correlation ? kCorrelation : "sad"}};
+            {kMeasure, options.optimise.measure == TemplateMeasure::correlation ? kCorrelation : kDifferences}};
   forSettings(options.optimise, [&](const char* name, const auto& value) { json[name] = value; });
   return json.dump();
 }
@@ -58,12 +72,16 @@ HtmOptions htmOptionsOf(const std::string& settings) {
   const auto take = [&](const char* name, auto& value) {
     const auto found = json.find(name);
     if (found == json.end()) return;
-    const bool fits = std::is_same_v<decltype(value), bool&> ? found->is_boolean() : found->is_number();
-    check(fits, ErrorCode::invalidInput, "the model's settings: {} is {}", name, found->dump());
-    value = found->get<std::remove_reference_t<decltype(value)>>();
+    using Value = std::remove_reference_t<decltype(value)>;
+    check(fits<Value>(*found), ErrorCode::invalidInput, "the model's settings: {} is {}", name, found->dump());
+    value = found->get<Value>();
   };
   forSettings(options, take);
-  if (json.value(kMeasure, "") == std::string(kCorrelation)) options.measure = TemplateMeasure::correlation;
+  if (const auto measure = json.find(kMeasure); measure != json.end()) {
+    check(*measure == kCorrelation || *measure == kDifferences, ErrorCode::invalidInput,
+          "the model's settings: {} is {}", kMeasure, measure->dump());
+    if (*measure == kCorrelation) options.measure = TemplateMeasure::correlation;
+  }
   return options;
 }
 
