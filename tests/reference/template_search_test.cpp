@@ -229,7 +229,7 @@ TEST_CASE("tasks that do not fit at once are searched piece by piece, from sever
   addTask(all, 0, {2, 30}, {7, 3}, {}, 0, random);
   addTask(all, 0, {9, 11}, {13, 17}, {}, 0, random);
   for (int k = 0; k < 34000; ++k) {  // first samples are too many for a piece, then tasks
-    all.tasks.push_back(all.tasks[std::size_t(k < 17000 ? k % 3 : 1)]);
+    all.tasks.push_back(all.tasks[std::size_t(k < 17000 ? k % 3 : (k + 1) % 2)]);
     all.tasks.back().start = {k % 5 - 2, k % 3 - 1};
   }
   const Matches wanted = onProcessor(all, 1, TemplateMeasure::absoluteDifferences);
