@@ -126,6 +126,11 @@ Case manyCases(unsigned seed) {
       addTask(all, p, corner, {1 + int(random() % 19u), 1 + int(random() % 9)},
               {int(random() % 7) - 3, int(random() % 7) - 3}, k % 3 == 0 ? 0 : 20, random);
     }
+  // Inside as they are, and over one border where they fit best.
+  addTask(all, 0, {60, 12}, {6, 5}, {}, 0, random);
+  addTask(all, 0, {20, 1}, {9, 3}, {0, -1}, 0, random);
+  addTask(all, 0, {20, 36}, {9, 5}, {1, 0}, 0, random);
+  addTask(all, 0, {0, 12}, {6, 5}, {}, 0, random);
   addTask(all, 0, {-5000, 300}, {5, 5}, {5020, -290}, 0, random);
   addTask(all, 0, {30, 20}, {4, 4}, {kFarthestTemplateStart, -kFarthestTemplateStart}, 0, random);
   all.tasks.push_back({1, 3, 0, {7, -9}});  // without samples

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "author/htm_refine.h"
 #include "author/htm_segment.h"
 #include "author/htm_views.h"
 #include "ibr/log.h"
@@ -20,23 +21,11 @@ struct VertexMatchOptions {
   int threads = 0;
 };
 
-/// What a pair of pictures says about a vertex.
-struct VertexMatch {
-  glm::vec2 displacement{0.0f};     // px of picture i: the complement; 0 in directions without texture
-  glm::vec3 information{0.0f};      // its inverse covariance xx, xy, yy, 1 / px²; 0: nothing was measured
-  float cost = 0;                   // at the match, as the measure says
-};
-
 /// One at each complementIndex. `members`: the cameras that see each vertex. `start`: complements to search around, or
 /// empty. `progress` reports cameras. Throws Error{cancelled} and what the search throws.
 std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const HtmView> views,
                                        std::span<const CameraSet> members, std::span<const glm::vec2> start,
                                        const VertexMatchOptions& options, const MakeTemplateSearch& makeSearch,
                                        const ProgressCallback& progress);
-
-/// A whole-pixel match made finer where the picture's gradients allow (Lucas and Kanade 1981, translation only, each
-/// colour about its own mean), and what it is worth. `at`: displacement, px.
-VertexMatch refinedMatch(const Image8& picture, std::span<const TemplateSample> samples, glm::dvec2 at,
-                         double leastTexture);
 
 }  // namespace ibr

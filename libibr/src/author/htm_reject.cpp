@@ -88,15 +88,15 @@ std::vector<Agreement> agreements(const TriangleMesh& mesh, std::span<const Proj
   std::vector<Agreement> all(cameras * cameras * n);
   runJobs(cameras, threadsFor(threads, 1e7),
           [&](std::size_t i) {
-            Segments segments(mesh, faces, views[i], segment);
-            for (std::size_t v = 0; v < n; ++v) {
-              if (!(members[v] >> i & 1)) continue;
-              const std::vector<SegmentPixel>& pixels = segments.of(v);
-              for (std::size_t j = 0; j < cameras; ++j) {
-                if (j == i || !(members[v] >> j & 1)) continue;
+            const auto segments = segmentsOf(mesh, faces, views[i], segment, members, i);
+            for (std::size_t j = 0; j < cameras; ++j) {
+              if (j == i) continue;
+              Recoloured recoloured(views[i], views[j]);
+              for (std::size_t v = 0; v < n; ++v) {
+                if (!(members[v] >> i & 1) || !(members[v] >> j & 1)) continue;
                 const std::size_t k = (i * cameras + j) * n + v;
                 const glm::dvec2 complement = complements.empty() ? glm::dvec2(0) : glm::dvec2(complements[k]);
-                all[k] = compared(views[i].picture, coloured(pixels, views[j]), complement);
+                all[k] = compared(views[i].picture, recoloured.of(segments[v]), complement);
               }
             }
           },

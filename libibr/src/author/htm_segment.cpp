@@ -60,19 +60,39 @@ const std::vector<SegmentPixel>& Segments::of(std::size_t v) {
       const std::uint32_t face = shown.pixel(x, y)[0];
       const glm::dvec2 centre(x + 0.5, y + 0.5);
       if (face == MeshRaster::kNone || mark_[face] != call_ || glm::distance(centre, middle) > options_.mostRadius) continue;
-      pixels_.push_back({{x, y}, view_.view.point(centre, view_.raster.depth.pixel(x, y)[0])});
+      pixels_.emplace_back(x, y);
     }
   return pixels_;
 }
 
-std::vector<TemplateSample> coloured(const std::vector<SegmentPixel>& segment, const ProjectedMesh& from) {
+std::vector<std::vector<SegmentPixel>> segmentsOf(const TriangleMesh& mesh, const Lists& faces,
+                                                  const ProjectedMesh& view, const SegmentOptions& options,
+                                                  std::span<const CameraSet> members, std::size_t camera) {
+  Segments segments(mesh, faces, view, options);
+  std::vector<std::vector<SegmentPixel>> all(members.size());
+  for (std::size_t v = 0; v < all.size(); ++v)
+    if (members[v] >> camera & 1) all[v] = segments.of(v);
+  return all;
+}
+
+Recoloured::Recoloured(const ProjectedMesh& view, const ProjectedMesh& from)
+    : view_(view), from_(from), colours_(view.raster.depth.values.size(), Colour{0, 0, 0, Colour::unknown}) {}
+
+Recoloured::Colour Recoloured::colourAt(SegmentPixel pixel) const {
+  const double depth = view_.raster.depth.pixel(pixel.x, pixel.y)[0];
+  const auto at = from_.visible(view_.view.point(glm::dvec2(pixel) + 0.5, depth));
+  if (!at) return {0, 0, 0, Colour::hidden};
+  const glm::dvec3 colour = bilinear(from_.picture, *at) + 0.5;
+  return {std::uint8_t(colour.x), std::uint8_t(colour.y), std::uint8_t(colour.z), Colour::seen};
+}
+
+std::vector<TemplateSample> Recoloured::of(std::span<const SegmentPixel> segment) {
   std::vector<TemplateSample> samples;
-  for (const SegmentPixel& pixel : segment) {
-    const auto at = from.visible(pixel.point);
-    if (!at) continue;
-    const glm::dvec3 colour = bilinear(from.picture, *at) + 0.5;
-    samples.push_back({std::int16_t(pixel.pixel.x), std::int16_t(pixel.pixel.y), std::uint8_t(colour.x),
-                       std::uint8_t(colour.y), std::uint8_t(colour.z)});
+  samples.reserve(segment.size());
+  for (const SegmentPixel pixel : segment) {
+    Colour& colour = colours_[std::size_t(pixel.y) * std::size_t(view_.raster.depth.width) + std::size_t(pixel.x)];
+    if (colour.state == Colour::unknown) colour = colourAt(pixel);
+    if (colour.state == Colour::seen) samples.push_back({pixel.x, pixel.y, colour.red, colour.green, colour.blue});
   }
   return samples;
 }

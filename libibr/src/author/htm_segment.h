@@ -3,7 +3,10 @@
 // another one's picture (I^v_{M_i←M_j}).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <glm/gtc/type_precision.hpp>
+#include <span>
 #include <vector>
 
 #include "author/htm_adjacency.h"
@@ -17,10 +20,7 @@ struct SegmentOptions {
   double mostRadius = 24;  // px from the vertex; what lies further away is left out
 };
 
-struct SegmentPixel {
-  glm::ivec2 pixel;
-  glm::dvec3 point;  // of the mesh, that the pixel's centre shows
-};
+using SegmentPixel = glm::i16vec2;  // column, row
 
 /// Segments of all vertices in one projected mesh. For one thread.
 class Segments {
@@ -45,7 +45,29 @@ class Segments {
   std::vector<SegmentPixel> pixels_;
 };
 
-/// The segment with another camera's colours: pixels whose point that camera sees. A Template's colours are rounded.
-std::vector<TemplateSample> coloured(const std::vector<SegmentPixel>& segment, const ProjectedMesh& from);
+/// Segments in a view for those vertices that `camera` is a member of, empty for others.
+std::vector<std::vector<SegmentPixel>> segmentsOf(const TriangleMesh& mesh, const Lists& faces,
+                                                  const ProjectedMesh& view, const SegmentOptions& options,
+                                                  std::span<const CameraSet> members, std::size_t camera);
+
+/// One view in another one's colours, each pixel from when it is first asked for: segments of neighbours share most of
+/// their pixels. For one thread; the views are read until it goes.
+class Recoloured {
+ public:
+  Recoloured(const ProjectedMesh& view, const ProjectedMesh& from);
+
+  /// The segment's pixels whose point `from` sees, with its colours, rounded.
+  std::vector<TemplateSample> of(std::span<const SegmentPixel> segment);
+
+ private:
+  struct Colour {
+    std::uint8_t red, green, blue;
+    enum State : std::uint8_t { unknown, hidden, seen } state;
+  };
+  Colour colourAt(SegmentPixel pixel) const;
+
+  const ProjectedMesh &view_, &from_;
+  std::vector<Colour> colours_;
+};
 
 }  // namespace ibr

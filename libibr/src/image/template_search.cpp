@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <glm/common.hpp>
 #include <limits>
 #include <memory>
 
@@ -12,115 +15,164 @@
 namespace ibr {
 namespace {
 
-constexpr int kSide = 2 * kLargestTemplateRadius + 1;
+// Before loops over a block: GCC unrolls them before it would vectorise them.
+#if defined(__GNUC__) && !defined(__clang__)
+#define IBR_AS_LOOP _Pragma("GCC unroll 1")
+#else
+#define IBR_AS_LOOP
+#endif
 
-// A picture's colours, each by itself, so that a row of displacements is a row of neighbours.
-struct Planes {
-  int width = 0, height = 0;
-  std::array<std::vector<std::int16_t>, 3> plane;
+// Bytes that are compared at once: up to five neighbours of a row and one byte that counts nothing.
+constexpr std::size_t kBlock = 16;
+constexpr int kBlockPixels = 5;
+using Bytes = std::array<std::uint8_t, kBlock>;
 
-  explicit Planes(const Image8& picture) : width(picture.width), height(picture.height) {
-    const std::size_t pixels = std::size_t(width) * std::size_t(height);
-    for (std::size_t c = 0; c < 3; ++c) {
-      plane[c].resize(pixels);
-      for (std::size_t p = 0; p < pixels; ++p) plane[c][p] = picture.values[3 * p + c];
-    }
+// RGB, with what a block may read beyond the last pixel.
+struct Picture {
+  int width, height;
+  std::vector<std::uint8_t> bytes;
+
+  explicit Picture(const Image8& picture) : width(picture.width), height(picture.height), bytes(picture.values) {
+    bytes.resize(bytes.size() + kBlock);
   }
-
-  // `count` values from column x on of row y, both of which may lie outside; in `room` where they are not a piece of
-  // the plane.
-  const std::int16_t* row(std::size_t colour, int x, int y, int count, std::int16_t* room) const {
-    const std::int16_t* start = &plane[colour][std::size_t(std::clamp(y, 0, height - 1)) * std::size_t(width)];
-    if (x >= 0 && x + count <= width) return start + x;
-    for (int k = 0; k < count; ++k) room[k] = start[std::clamp(x + k, 0, width - 1)];
-    return room;
-  }
+  std::ptrdiff_t offset(int x, int y) const { return 3 * (std::ptrdiff_t(y) * width + x); }
 };
 
-// Adds a sample to the sums of a row of displacements.
-void addDifferences(const std::int16_t* __restrict values, std::int16_t wanted, int count,
-                    std::int32_t* __restrict sums) {
-  for (int k = 0; k < count; ++k) {
-    const int difference = values[k] - wanted;
-    sums[k] += difference < 0 ? -difference : difference;
-  }
-}
-void addProducts(const std::int16_t* __restrict values, std::int16_t wanted, int count, std::int32_t* __restrict sum,
-                 std::int32_t* __restrict squares, std::int32_t* __restrict products) {
-  for (int k = 0; k < count; ++k) {
-    const std::int32_t value = values[k];
-    sum[k] += value;
-    squares[k] += value * value;
-    products[k] += value * wanted;
-  }
-}
+struct Block {
+  glm::ivec2 pixel;     // the first
+  std::ptrdiff_t from;  // where its bytes are, from those of the displacement
+  Bytes wanted{}, mask{};
+};
 
-using Grid = std::array<std::int32_t, kSide * kSide>;
-
-struct Window {
-  const Planes& picture;
-  std::span<const TemplateSample> samples;
-  glm::ivec2 start;
-  int radius;
-  int side() const { return 2 * radius + 1; }
-
-  // add(c, wanted colour, row of the picture, row of displacements) for each sample, colour and row.
-  template <class Add>
-  void forRows(Add&& add) const {
-    std::array<std::int16_t, kSide> room;
+// A template at one place of a picture.
+class Template {
+ public:
+  Template(std::span<const TemplateSample> samples, const Picture& picture, glm::ivec2 start, int radius)
+      : picture_(picture), count_(samples.size()) {
+    glm::ivec2 low(std::numeric_limits<int>::max()), high(std::numeric_limits<int>::min());
+    int used = kBlockPixels;
     for (const TemplateSample& sample : samples) {
-      const std::array<std::int16_t, 3> wanted{sample.red, sample.green, sample.blue};
-      for (int dy = 0; dy < side(); ++dy)
-        for (std::size_t c = 0; c < 3; ++c)
-          add(c, wanted[c],
-              picture.row(c, sample.x + start.x - radius, sample.y + start.y - radius + dy, side(), room.data()), dy);
+      const glm::ivec2 pixel(sample.x, sample.y);
+      low = glm::min(low, pixel);
+      high = glm::max(high, pixel);
+      if (used == kBlockPixels || pixel != blocks_.back().pixel + glm::ivec2(used, 0)) {
+        blocks_.push_back({pixel, 0});
+        used = 0;
+      }
+      const auto at = std::size_t(3 * used++);
+      const std::array colour{sample.red, sample.green, sample.blue};
+      for (std::size_t c = 0; c < 3; ++c) blocks_.back().wanted[at + c] = colour[c], blocks_.back().mask[at + c] = 255;
     }
+    low += start - radius;
+    high += start + radius;
+    inside_ = low.x >= 0 && low.y >= 0 && high.x < picture.width && high.y < picture.height;
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      blocks_[b].from = inside_ ? picture.offset(blocks_[b].pixel.x, blocks_[b].pixel.y) : std::ptrdiff_t(b * kBlock);
+    if (!inside_) gathered_.resize(blocks_.size() * kBlock);
   }
+
+  const std::vector<Block>& blocks() const { return blocks_; }
+  double count() const { return double(count_); }
+
+  // What all blocks' `from` counts from.
+  const std::uint8_t* at(glm::ivec2 displacement) {
+    if (inside_) return picture_.bytes.data() + picture_.offset(displacement.x, displacement.y);
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      for (int k = 0; k < kBlockPixels; ++k) {
+        const glm::ivec2 p = blocks_[b].pixel + displacement + glm::ivec2(k, 0);
+        const std::uint8_t* from = picture_.bytes.data() + picture_.offset(std::clamp(p.x, 0, picture_.width - 1),
+                                                                           std::clamp(p.y, 0, picture_.height - 1));
+        std::copy(from, from + 3, &gathered_[b * kBlock + std::size_t(3 * k)]);
+      }
+    return gathered_.data();
+  }
+
+ private:
+  const Picture& picture_;
+  std::size_t count_;
+  bool inside_;  // with all displacements
+  std::vector<Block> blocks_;
+  std::vector<std::uint8_t> gathered_;
 };
 
-void absoluteDifferences(const Window& window, std::vector<float>& cost) {
-  Grid sums{};
-  window.forRows([&](std::size_t, std::int16_t wanted, const std::int16_t* values, int dy) {
-    addDifferences(values, wanted, window.side(), &sums[std::size_t(dy * window.side())]);
-  });
-  const float norm = 1.0f / (3.0f * float(window.samples.size()));
-  for (std::size_t k = 0; k < cost.size(); ++k) cost[k] = float(sums[k]) * norm;
-}
+class AbsoluteDifferences {
+ public:
+  explicit AbsoluteDifferences(const Template& wanted) : norm_(1.0f / (3.0f * float(wanted.count()))) {}
 
-void correlation(const Window& window, std::vector<float>& cost) {
-  std::array<Grid, 3> sum{}, squares{}, products{};
-  window.forRows([&](std::size_t c, std::int16_t wanted, const std::int16_t* values, int dy) {
-    const auto at = std::size_t(dy * window.side());
-    addProducts(values, wanted, window.side(), &sum[c][at], &squares[c][at], &products[c][at]);
-  });
-  const double n = double(window.samples.size());
-  std::array<double, 3> wantedSum{};
-  double wantedVariance = 0;
-  for (const TemplateSample& sample : window.samples) {
-    const std::array<double, 3> wanted{double(sample.red), double(sample.green), double(sample.blue)};
-    for (std::size_t c = 0; c < 3; ++c) wantedSum[c] += wanted[c], wantedVariance += n * wanted[c] * wanted[c];
-  }
-  for (std::size_t c = 0; c < 3; ++c) wantedVariance -= wantedSum[c] * wantedSum[c];
-  for (std::size_t k = 0; k < cost.size(); ++k) {
-    double common = 0, variance = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double s = sum[c][k];
-      common += n * products[c][k] - s * wantedSum[c];
-      variance += n * squares[c][k] - s * s;
+  float operator()(const std::vector<Block>& blocks, const std::uint8_t* values) const {
+    int sum = 0;
+    for (const Block& block : blocks) {
+      const std::uint8_t* here = values + block.from;
+      IBR_AS_LOOP
+      for (std::size_t k = 0; k < kBlock; ++k) {
+        const std::uint8_t value = here[k] & block.mask[k];
+        sum += std::abs(int(value) - int(block.wanted[k]));
+      }
     }
-    const double scale = std::sqrt(variance * wantedVariance);
-    cost[k] = scale > 0 ? float(1 - common / scale) : 1.0f;
+    return float(sum) * norm_;
   }
-}
 
-TemplateMatch best(const Window& window, const std::vector<float>& cost) {
-  TemplateMatch match{window.start, std::numeric_limits<float>::infinity()};
+ private:
+  float norm_;
+};
+
+class Correlation {
+ public:
+  explicit Correlation(const Template& wanted) : count_(wanted.count()) {
+    Bytes all;
+    all.fill(255);
+    for (const Block& block : wanted.blocks()) add(wanted_, block.wanted.data(), block.wanted, all);
+  }
+
+  float operator()(const std::vector<Block>& blocks, const std::uint8_t* values) const {
+    Sums sums;
+    for (const Block& block : blocks) add(sums, values + block.from, block.wanted, block.mask);
+    double common = count_ * sums.products, variance = count_ * sums.squares, wanted = count_ * wanted_.squares;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = sums.colour(c), b = wanted_.colour(c);
+      common -= a * b;
+      variance -= a * a;
+      wanted -= b * b;
+    }
+    const double scale = std::sqrt(variance * wanted);
+    return scale > 0 ? float(1 - common / scale) : 1.0f;
+  }
+
+ private:
+  struct Sums {
+    std::array<int, kBlock> values{};  // of each byte of a block
+    int squares = 0, products = 0;     // of 4096 samples below 2³⁰
+    int colour(std::size_t c) const {
+      int sum = 0;
+      for (std::size_t k = c; k < 3 * kBlockPixels; k += 3) sum += values[k];
+      return sum;
+    }
+  };
+  static void add(Sums& sums, const std::uint8_t* values, const Bytes& wanted, const Bytes& mask) {
+    IBR_AS_LOOP
+    for (std::size_t k = 0; k < kBlock; ++k) {
+      const int value = std::uint8_t(values[k] & mask[k]);
+      sums.values[k] += value;
+      sums.squares += value * value;
+      sums.products += value * wanted[k];
+    }
+  }
+
+  double count_;
+  Sums wanted_;
+};
+
+template <class Cost>
+TemplateMatch best(Template& wanted, glm::ivec2 start, int radius) {
+  const Cost cost(wanted);
+  TemplateMatch match{start, std::numeric_limits<float>::infinity()};
   int distance = std::numeric_limits<int>::max();
-  for (int dy = -window.radius; dy <= window.radius; ++dy)
-    for (int dx = -window.radius; dx <= window.radius; ++dx) {
-      const float here = cost[std::size_t((dy + window.radius) * window.side() + dx + window.radius)];
+  for (int dy = -radius; dy <= radius; ++dy)
+    for (int dx = -radius; dx <= radius; ++dx) {
+      const glm::ivec2 displacement = start + glm::ivec2(dx, dy);
+      const float here = cost(wanted.blocks(), wanted.at(displacement));
       if (here < match.cost || (here == match.cost && dx * dx + dy * dy < distance)) {
-        match = {window.start + glm::ivec2(dx, dy), here};
+        match = {displacement, here};
         distance = dx * dx + dy * dy;
       }
     }
@@ -131,22 +183,22 @@ TemplateMatch best(const Window& window, const std::vector<float>& cost) {
 
 TemplateSearch processorTemplateSearch(std::span<const Image8* const> pictures) {
   checkTemplatePictures(pictures);
-  auto planes = std::make_shared<std::vector<Planes>>();
-  for (const Image8* picture : pictures) planes->emplace_back(*picture);
-  return [planes](std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
+  auto copies = std::make_shared<std::vector<Picture>>();
+  for (const Image8* picture : pictures) copies->emplace_back(*picture);
+  return [copies](std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius,
                   TemplateMeasure measure) {
-    checkTemplateTasks(tasks, samples, radius, planes->size());
+    checkTemplateTasks(tasks, samples, radius, copies->size());
     std::vector<TemplateMatch> matches;
     matches.reserve(tasks.size());
-    std::vector<float> cost(std::size_t(2 * radius + 1) * std::size_t(2 * radius + 1));
     for (const TemplateTask& task : tasks) {
       if (task.count == 0) {
         matches.push_back({task.start, std::numeric_limits<float>::infinity()});
         continue;
       }
-      const Window window{(*planes)[task.picture], samples.subspan(task.first, task.count), task.start, radius};
-      (measure == TemplateMeasure::correlation ? correlation : absoluteDifferences)(window, cost);
-      matches.push_back(best(window, cost));
+      Template wanted(samples.subspan(task.first, task.count), (*copies)[task.picture], task.start, radius);
+      matches.push_back((measure == TemplateMeasure::correlation
+                             ? best<Correlation>
+                             : best<AbsoluteDifferences>)(wanted, task.start, radius));
     }
     return matches;
   };

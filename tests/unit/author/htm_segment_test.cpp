@@ -15,7 +15,7 @@ using test::plainView;
 
 std::set<std::uint32_t> shown(const std::vector<SegmentPixel>& segment, const ProjectedMesh& view) {
   std::set<std::uint32_t> faces;
-  for (const SegmentPixel& pixel : segment) faces.insert(view.raster.face.pixel(pixel.pixel.x, pixel.pixel.y)[0]);
+  for (const SegmentPixel& pixel : segment) faces.insert(view.raster.face.pixel(pixel.x, pixel.y)[0]);
   return faces;
 }
 
@@ -51,7 +51,7 @@ TEST_CASE("What lies around vertices") {
   CHECK(neighboursOfVertices(lonely)[0].empty());
 }
 
-TEST_CASE("A segment is the faces at its vertex, by rows, with the points that they show") {
+TEST_CASE("A segment is the faces at its vertex, by rows") {
   const Grid grid;
   Segments segments(grid.mesh, grid.faces, grid.projected, {2, 40});
   const std::vector<SegmentPixel> segment = segments.of(kMiddle);
@@ -62,12 +62,8 @@ TEST_CASE("A segment is the faces at its vertex, by rows, with the points that t
   for (const std::uint32_t face : grid.projected.raster.face.values) pixels += std::ranges::count(around, face) > 0;
   CHECK(segment.size() == pixels);
   for (std::size_t k = 0; k < segment.size(); ++k) {
-    const auto seen = grid.projected.view.seen(segment[k].point);
-    CHECK(std::abs(segment[k].point.z) < 1e-5);
-    CHECK(glm::distance(seen->pixel, glm::dvec2(segment[k].pixel) + 0.5) < 1e-5);
-    if (k > 0)
-      CHECK(std::pair(segment[k - 1].pixel.y, segment[k - 1].pixel.x) <
-            std::pair(segment[k].pixel.y, segment[k].pixel.x));
+    CHECK(std::ranges::count(around, grid.projected.raster.face.pixel(segment[k].x, segment[k].y)[0]) == 1);
+    if (k > 0) CHECK(std::pair(segment[k - 1].y, segment[k - 1].x) < std::pair(segment[k].y, segment[k].x));
   }
   // The next vertex's is not mixed with it, and asking again gives the same.
   segments.of(0);
@@ -94,7 +90,7 @@ TEST_CASE("Segments grow by rings to the least radius and end at the largest") {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) disc += glm::distance(glm::dvec2(x + 0.5, y + 0.5), middle) <= 12;
   CHECK(near.of(kMiddle).size() == disc);
-  for (const SegmentPixel& pixel : near.of(kMiddle)) CHECK(glm::distance(glm::dvec2(pixel.pixel) + 0.5, middle) <= 12);
+  for (const SegmentPixel& pixel : near.of(kMiddle)) CHECK(glm::distance(glm::dvec2(pixel) + 0.5, middle) <= 12);
   CHECK(sizeOf(14, 24) > sizeOf(2, 24));
   // The default stays within what a search takes.
   CHECK(3.15 * 24.5 * 24.5 < kLargestTemplate);
@@ -122,20 +118,32 @@ TEST_CASE("A segment takes another camera's colours where that camera sees it") 
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) other.picture.pixel(x, y)[0] = std::uint8_t(2 * x);
   Segments segments(grid.mesh, grid.faces, grid.projected, {});
-  const std::vector<SegmentPixel>& segment = segments.of(kMiddle);
+  const std::vector<SegmentPixel> segment = segments.of(kMiddle);
   const ProjectedMesh from = projectedMeshes(grid.mesh, {&other, 1}).front();
-  const std::vector<TemplateSample> samples = coloured(segment, from);
+  const std::vector<TemplateSample> samples = Recoloured(grid.projected, from).of(segment);
   REQUIRE(samples.size() == segment.size());
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    CHECK(glm::ivec2(samples[k].x, samples[k].y) == segment[k].pixel);
-    CHECK(std::abs(samples[k].red - 2 * (from.view.seen(segment[k].point)->pixel.x - 0.5)) <= 0.51);
+    CHECK(glm::ivec2(samples[k].x, samples[k].y) == glm::ivec2(segment[k]));
+    const double depth = grid.projected.raster.depth.pixel(segment[k].x, segment[k].y)[0];
+    const glm::dvec3 point = grid.projected.view.point(glm::dvec2(segment[k]) + 0.5, depth);
+    CHECK(std::abs(point.z) < 1e-5);
+    CHECK(std::abs(samples[k].red - 2 * (from.view.seen(point)->pixel.x - 0.5)) <= 0.51);
     CHECK(samples[k].green == 100);
   }
+  // What was asked for before, with a neighbour's, is the same as when it is asked for alone.
+  Recoloured often(grid.projected, from);
+  for (const std::size_t v : {kMiddle + 1, kMiddle, kMiddle}) {
+    const auto again = often.of(segments.of(v));
+    const auto alone = Recoloured(grid.projected, from).of(segments.of(v));
+    CHECK(std::ranges::equal(again, alone, [](const TemplateSample& a, const TemplateSample& b) {
+      return a.x == b.x && a.y == b.y && a.red == b.red && a.green == b.green && a.blue == b.blue;
+    }));
+  }
   other.mask = Image8(120, 90, 1);
-  CHECK(coloured(segment, projectedMeshes(grid.mesh, {&other, 1}).front()).empty());
+  CHECK(Recoloured(grid.projected, projectedMeshes(grid.mesh, {&other, 1}).front()).of(segment).empty());
   for (int y = 0; y < 90; ++y)
     for (int x = 60; x < 120; ++x) other.mask.pixel(x, y)[0] = 255;
-  const auto half = coloured(segment, projectedMeshes(grid.mesh, {&other, 1}).front());
+  const auto half = Recoloured(grid.projected, projectedMeshes(grid.mesh, {&other, 1}).front()).of(segment);
   CHECK(half.size() > segment.size() / 4);
   CHECK(half.size() < 3 * segment.size() / 4);
 }
