@@ -29,8 +29,8 @@ void printReport(const HtmReport& report, const HtmBuildOptions& options, const 
                 report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMost, report.restoredMean,
                 report.restoredMost);
   for (const HtmReport::Adjustment& line : report.adjustments)
-    context.print("cameras adjusted: they see vertices {:.2f} px from where the pictures agree, {:.2f} px before\n",
-                  line.afterPx, line.beforePx);
+    context.print("adjusted: cameras see vertices {:.2f} px from where the pictures agree, {:.2f} px before; vertices moved {:.3g}\n",
+                  line.afterPx, line.beforePx, line.moved);
   context.print("{} edges of inconsistent faces collapsed: mean D_f {:.3f}, before {:.3f}\n", report.collapses,
                 report.collapsedDifference, report.reducedDifference);
   Table rounds;

@@ -15,7 +15,8 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
          "The mesh is reduced until its mean face is the surface divided by this; 0: not by shape [5000]")
       ->type_name("N");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
-         "Rounds in which cameras settle on what they agree on; 0: cameras as they are given, the paper's way");
+         "Rounds in which cameras and shape settle on what pictures agree on; 0: as they are given, the paper's way");
+  app.add_flag_callback("--keep-shape", [&o] { o.reshape = false; }, "Vertices stay where they are in these rounds");
   addChoice<TemplateMeasure>(
       app, "--measure", o.measure,
       {{"sad", TemplateMeasure::absoluteDifferences}, {"ncc", TemplateMeasure::correlation}},

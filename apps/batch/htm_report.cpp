@@ -20,7 +20,7 @@ Json htmReportJson(const HtmReport& report) {
             {"complementBytes", report.complementBytes},
             {"stages", Json::array()}};
   for (const HtmReport::Adjustment& line : report.adjustments)
-    json["adjustments"].push_back({{"beforePx", line.beforePx}, {"afterPx", line.afterPx}});
+    json["adjustments"].push_back({{"beforePx", line.beforePx}, {"afterPx", line.afterPx}, {"moved", line.moved}});
   for (const HtmReport::Round& round : report.rounds)
     json["rounds"].push_back({{"vertices", round.vertices},
                               {"faces", round.faces},

@@ -23,9 +23,11 @@ struct HtmOptions {
   double inconsistentSize = 4;   // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
   double inconsistentDifference = 12;  // of faces that are inconsistent
   double inconsistentShare = 0.1;     // of the faces: at most so many collapses
-  // Beyond [H]: cameras first settle on what they agree on (author/htm_consensus.h, author/htm_adjust.h).
-  int adjustRounds = 2;           // 0: cameras are taken as they are, as [H] does
+  // Beyond [H]: cameras first settle on what they agree on (author/htm_consensus.h, author/htm_adjust.h), …
+  int adjustRounds = 4;           // 0: cameras and shape are taken as they are, as [H] does
   double adjustSmoothness = 100;  // 1 / px², of offsets between neighbours
+  bool reshape = true;            // … and from the second round on vertices move there, too (author/htm_shape.h)
+  double shapeSmoothness = 1;     // 1 / px²
   // Algs 3 to 5
   TemplateMeasure measure = TemplateMeasure::absoluteDifferences;
   double radius = 16;       // px that are searched around each vertex, …
@@ -76,6 +78,7 @@ struct HtmReport {
   };
   struct Adjustment {
     double beforePx = 0, afterPx = 0;  // RMS distance of vertices from where the pictures agree, mean over cameras
+    double moved = 0;                  // mean distance by which vertices moved, world units
   };
   std::vector<Stage> stages;
   std::vector<Adjustment> adjustments;

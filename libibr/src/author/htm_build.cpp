@@ -19,6 +19,7 @@
 #include "author/htm_match.h"
 #include "author/htm_reduce.h"
 #include "author/htm_reject.h"
+#include "author/htm_shape.h"
 #include "author/htm_subdivide.h"
 #include "author/htm_visibility.h"
 #include "author/stopwatch.h"
@@ -42,6 +43,7 @@ void checkOptions(const HtmOptions& o) {
   inRange("inconsistentShare", o.inconsistentShare, 0, 1);
   inRange("adjustRounds", o.adjustRounds, 0, 16);
   inRange("adjustSmoothness", o.adjustSmoothness, 0, 1e6);
+  inRange("shapeSmoothness", o.shapeSmoothness, 0, 1e6);
   inRange("radius", o.radius, 1, 2 * kLargestTemplateRadius);
   inRange("laterRadius", o.laterRadius, 1, 2 * kLargestTemplateRadius);
   inRange("leastTexture", o.leastTexture, 0, 255);
@@ -220,7 +222,7 @@ class Harmoniser {
     mesh = std::move(divided.mesh);
   }
 
-  void adjustCameras(const TriangleMesh& mesh) {
+  void adjustCameras(TriangleMesh& mesh) {
     for (int round = 0; round < options_.adjustRounds; ++round) {
       const Looked now = timed("visibility", [&] { return looked(mesh); });
       members_ = vertexVisibility(mesh, now.faces);
@@ -229,9 +231,10 @@ class Harmoniser {
         ConsensusOptions how;
         how.smoothness = options_.adjustSmoothness;
         how.outlierPx = options_.outlierPx;
+        HtmReport::Adjustment line;
+        if (options_.reshape && round > 0) line.moved = reshape(mesh);
         const std::vector<glm::vec2> offsets = consensusOffsets(mesh, views_, members_, matches_, how);
         const std::vector<AdjustedCamera> adjusted = adjustedCameras(mesh, views_, members_, offsets);
-        HtmReport::Adjustment line;
         for (std::size_t i = 0; i < views_.size(); ++i) {
           line.beforePx += adjusted[i].beforePx / double(views_.size());
           line.afterPx += adjusted[i].afterPx / double(views_.size());
@@ -242,6 +245,16 @@ class Harmoniser {
       });
       complements_.clear();
     }
+  }
+
+  // The mean distance that vertices move.
+  double reshape(TriangleMesh& mesh) const {
+    TriangleMesh moved = displaced(mesh, normalDisplacements(mesh, views_, members_, matches_,
+                                                             {options_.shapeSmoothness, options_.outlierPx}));
+    double sum = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) sum += glm::distance(moved.positions[v], mesh.positions[v]);
+    mesh = std::move(moved);
+    return sum / double(std::max<std::size_t>(1, mesh.positions.size()));
   }
 
   void match(const TriangleMesh& mesh) {
@@ -328,12 +341,7 @@ class Harmoniser {
 
   // How much each camera looks at each vertex from its front, 0 to 1; n_c × n_v.
   static std::vector<float> facing(const TriangleMesh& mesh, const Looked& looked) {
-    std::vector<glm::dvec3> normal(mesh.positions.size(), glm::dvec3(0.0));
-    for (const glm::uvec3& t : mesh.triangles) {
-      const glm::dvec3& a = mesh.positions[t.x];
-      const glm::dvec3 across = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
-      for (int k = 0; k < 3; ++k) normal[t[k]] += across;
-    }
+    const std::vector<glm::dvec3> normal = vertexNormals(mesh);
     std::vector<float> facing;
     for (const ProjectedMesh& view : looked.views)
       for (std::size_t v = 0; v < normal.size(); ++v) {

@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "author/htm_adjacency.h"
+#include "author/htm_shape.h"
 #include "author/htm_trust.h"
 
 namespace ibr {
@@ -22,12 +23,7 @@ glm::dvec3 anyAcross(const glm::dvec3& n) {
 class TangentMaps {
  public:
   TangentMaps(const TriangleMesh& mesh, std::span<const HtmView> views) : vertices_(mesh.positions.size()) {
-    std::vector<glm::dvec3> normal(vertices_, glm::dvec3(0.0));
-    for (const glm::uvec3& t : mesh.triangles) {
-      const glm::dvec3& a = mesh.positions[t.x];
-      const glm::dvec3 across = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
-      for (int k = 0; k < 3; ++k) normal[t[k]] += across;
-    }
+    const std::vector<glm::dvec3> normal = vertexNormals(mesh);
     for (const HtmView& view : views) {
       const PinholeView pinhole(view.camera);
       for (std::size_t v = 0; v < vertices_; ++v) maps_.push_back(mapOf(pinhole, mesh.positions[v], normal[v]));

@@ -16,6 +16,8 @@ template <class Options, class Visit>
 void forSettings(Options& o, Visit&& visit) {
   visit("adjustRounds", o.adjustRounds);
   visit("adjustSmoothness", o.adjustSmoothness);
+  visit("reshape", o.reshape);
+  visit("shapeSmoothness", o.shapeSmoothness);
   visit("faces", o.faces);
   visit("inconsistentSize", o.inconsistentSize);
   visit("inconsistentDifference", o.inconsistentDifference);

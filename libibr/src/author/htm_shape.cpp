@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/htm_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "author/htm_adjacency.h"
+#include "author/htm_trust.h"
+
+namespace ibr {
+
+std::vector<glm::dvec3> vertexNormals(const TriangleMesh& mesh) {
+  std::vector<glm::dvec3> normals(mesh.positions.size(), glm::dvec3(0.0));
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3& a = mesh.positions[t.x];
+    const glm::dvec3 across = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+    for (int k = 0; k < 3; ++k) normals[t[k]] += across;
+  }
+  for (glm::dvec3& normal : normals)
+    if (const double length = glm::length(normal); length > 0) normal /= length;
+  return normals;
+}
+
+namespace {
+
+// One match of a vertex: it is seen `along` px times the displacement away.
+struct Claim {
+  glm::dvec2 along, match;
+  glm::dvec3 information;
+};
+double product(const glm::dvec2& a, const glm::dvec3& w, const glm::dvec2& b) {
+  return a.x * (w.x * b.x + w.y * b.y) + a.y * (w.y * b.x + w.z * b.y);
+}
+
+// The claims of each vertex's pairs.
+std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<const HtmView> views,
+                                         std::span<const CameraSet> members, std::span<const VertexMatch> matches) {
+  constexpr double kLeastCosine = 0.26;
+  const std::size_t n = mesh.positions.size(), cameras = views.size();
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  std::vector<PinholeView> pinholes;
+  for (const HtmView& view : views) pinholes.emplace_back(view.camera);
+  std::vector<std::vector<Claim>> claims(n);
+  for (std::size_t v = 0; v < n; ++v)
+    for (std::size_t j = 0; j < cameras; ++j) {
+      if (!(members[v] >> j & 1)) continue;
+      const glm::dvec3 away = mesh.positions[v] - pinholes[j].centre();
+      const double distance = glm::length(away), cosine = -glm::dot(normals[v], away) / distance;
+      if (!(cosine > kLeastCosine)) continue;
+      // Where camera j's ray meets the surface when that lies a little further out.
+      const double step = 1e-4 * distance;
+      const glm::dvec3 moved = mesh.positions[v] - away * (step / (distance * cosine));
+      for (std::size_t i = 0; i < cameras; ++i) {
+        const VertexMatch& match = matches[(i * cameras + j) * n + v];
+        if (i == j || match.information == glm::vec3(0.0f)) continue;
+        const auto here = pinholes[i].seen(mesh.positions[v]), there = pinholes[i].seen(moved);
+        if (here && there)
+          claims[v].push_back({(there->pixel - here->pixel) / step, glm::dvec2(match.displacement),
+                               glm::dvec3(match.information)});
+      }
+    }
+  return claims;
+}
+
+}  // namespace
+
+std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<const HtmView> views,
+                                        std::span<const CameraSet> members, std::span<const VertexMatch> matches,
+                                        const ShapeOptions& options) {
+  constexpr int kSweeps = 100;
+  const std::size_t n = mesh.positions.size();
+  const Lists neighbours = neighboursOfVertices(mesh);
+  const std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, matches);
+  std::vector<double> scale(n, 0), displacement(n, 0);  // scale: px² per unit²
+  double typical = 0, known = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    for (const Claim& claim : claims[v]) scale[v] += glm::dot(claim.along, claim.along) / double(claims[v].size());
+    if (!claims[v].empty()) typical += scale[v], ++known;
+  }
+  if (known == 0) return displacement;
+  typical /= known;
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t v = sweep % 2 == 0 ? k : n - 1 - k;
+      double weight = 0, side = 0;
+      for (const Claim& claim : claims[v]) {
+        const glm::dvec2 off = claim.match - claim.along * displacement[v];
+        const double trust = sweep < kSweeps / 4 ? 1.0 : trustOf(claim.information, off, options.outlierPx);
+        weight += trust * product(claim.along, claim.information, claim.along);
+        side += trust * product(claim.along, claim.information, claim.match);
+      }
+      const double smooth = options.smoothness * (claims[v].empty() ? typical : scale[v]);
+      for (const std::uint32_t u : neighbours[v]) weight += smooth, side += smooth * displacement[u];
+      if (weight > 0) displacement[v] = side / weight;
+    }
+  return displacement;
+}
+
+TriangleMesh displaced(const TriangleMesh& mesh, std::span<const double> displacements) {
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  TriangleMesh moved = mesh;
+  for (std::size_t v = 0; v < moved.positions.size(); ++v) moved.positions[v] += normals[v] * displacements[v];
+  const auto normalOf = [](const TriangleMesh& m, const glm::uvec3& t) {
+    return glm::cross(m.positions[t.y] - m.positions[t.x], m.positions[t.z] - m.positions[t.x]);
+  };
+  for (bool turned = true; turned;) {
+    turned = false;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3 before = normalOf(mesh, t), after = normalOf(moved, t);
+      if (before == after || glm::dot(before, after) >= 0.5 * glm::length(before) * glm::length(after)) continue;
+      for (int k = 0; k < 3; ++k) {
+        turned = turned || moved.positions[t[k]] != mesh.positions[t[k]];
+        moved.positions[t[k]] = mesh.positions[t[k]];
+      }
+    }
+  }
+  return moved;
+}
+
+}  // namespace ibr
