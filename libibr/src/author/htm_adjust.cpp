@@ -1,82 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/htm_adjust.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <opencv2/calib3d.hpp>
-
-#include "author/world_to_camera.h"
+#include <limits>
+#include <opencv2/core.hpp>
 
 namespace ibr {
 namespace {
 
 struct Points {
-  std::vector<cv::Point3f> world;  // relative to `origin`: floats hold no large coordinates
-  std::vector<cv::Point2f> pixel;
+  std::vector<glm::dvec3> world;  // relative to `origin`
+  std::vector<glm::dvec2> pixel;
   glm::dvec3 origin{0.0};
 };
 
-double rms(const PinholeView& view, const Points& points) {
-  double sum = 0;
-  for (std::size_t k = 0; k < points.world.size(); ++k) {
-    const cv::Point3f& p = points.world[k];
-    const auto seen = view.seen(points.origin + glm::dvec3(p.x, p.y, p.z));
-    if (!seen) return INFINITY;
-    const glm::dvec2 off = seen->pixel - glm::dvec2(points.pixel[k].x, points.pixel[k].y);
-    sum += glm::dot(off, off);
+// A camera about the points' origin: p is seen at turn · p + shift, with the axes of a Pose.
+struct Placed {
+  Intrinsics k;
+  glm::dquat turn;
+  glm::dvec3 shift;
+};
+
+constexpr int kUnknowns = 7;  // a small turn, a shift by parts of the distance, the focal lengths' logarithm
+using Row = std::array<double, kUnknowns>;
+using Matrix = std::array<Row, kUnknowns>;
+
+struct NormalEquations {
+  Matrix matrix{};
+  Row side{};
+  double squares = 0;  // infinite where a point is not before the camera
+
+  void add(const Row& row, double residual) {
+    for (std::size_t a = 0; a < kUnknowns; ++a) {
+      side[a] += row[a] * residual;
+      for (std::size_t b = 0; b < kUnknowns; ++b) matrix[a][b] += row[a] * row[b];
+    }
   }
-  return std::sqrt(sum / double(points.world.size()));
+};
+
+NormalEquations normalEquations(const Placed& camera, const Points& points) {
+  NormalEquations sum;
+  const double distance = glm::length(camera.shift);
+  for (std::size_t p = 0; p < points.world.size(); ++p) {
+    const glm::dvec3 turned = camera.turn * points.world[p], q = turned + camera.shift;
+    if (!(q.z < 0)) {
+      sum.squares = std::numeric_limits<double>::infinity();
+      return sum;
+    }
+    const Intrinsics& k = camera.k;
+    const glm::dvec2 off(-k.fx * q.x / q.z, k.fy * q.y / q.z);  // from the principal point
+    const glm::dvec2 residual = points.pixel[p] - glm::dvec2(k.cx, k.cy) - off;
+    const std::array<glm::dvec3, 2> byPoint{glm::dvec3(-k.fx / q.z, 0, -off.x / q.z),
+                                            glm::dvec3(0, k.fy / q.z, -off.y / q.z)};
+    for (int axis = 0; axis < 2; ++axis) {
+      const glm::dvec3 g = byPoint[std::size_t(axis)], byTurn = glm::cross(turned, g);
+      sum.add({byTurn.x, byTurn.y, byTurn.z, distance * g.x, distance * g.y, distance * g.z, off[axis]},
+              residual[axis]);
+    }
+    sum.squares += glm::dot(residual, residual);
+  }
+  return sum;
+}
+
+Placed moved(Placed camera, const Row& by) {
+  const glm::dvec3 turn(by[0], by[1], by[2]);
+  if (const double angle = glm::length(turn); angle > 0)
+    camera.turn = glm::normalize(glm::angleAxis(angle, turn / angle) * camera.turn);
+  camera.shift += glm::length(camera.shift) * glm::dvec3(by[3], by[4], by[5]);
+  camera.k.fx *= std::exp(by[6]);
+  camera.k.fy *= std::exp(by[6]);
+  return camera;
+}
+
+// Levenberg and Marquardt over all unknowns at once: a focal length and a distance that stand in for one another are
+// found too slowly in turn.
+Placed fitted(Placed camera, const Points& points) {
+  NormalEquations now = normalEquations(camera, points);
+  double damping = 1e-4;
+  for (int step = 0; step < 60 && damping < 1e8; ++step) {
+    Matrix matrix = now.matrix;
+    Row by{};
+    // The second term keeps what no point tells where it is.
+    for (std::size_t a = 0; a < kUnknowns; ++a)
+      matrix[a][a] += damping * matrix[a][a] + 1e-9 * now.matrix[6][6] + 1e-12;
+    if (!cv::solve(cv::Mat(kUnknowns, kUnknowns, CV_64F, matrix.data()), cv::Mat(kUnknowns, 1, CV_64F, now.side.data()),
+                   cv::Mat(kUnknowns, 1, CV_64F, by.data()), cv::DECOMP_CHOLESKY)) {
+      damping *= 10;
+      continue;
+    }
+    const Placed next = moved(camera, by);
+    const NormalEquations there = normalEquations(next, points);
+    if (!(there.squares < now.squares)) {
+      damping *= 10;
+      continue;
+    }
+    const bool done = there.squares > (1 - 1e-9) * now.squares;
+    camera = next;
+    now = there;
+    damping = std::max(1e-12, damping / 10);
+    if (done) break;
+  }
+  return camera;
+}
+
+double rms(double squares, const Points& points) {
+  return std::sqrt(squares / double(points.world.size()));
 }
 
 AdjustedCamera adjusted(const Camera& camera, const Points& points) {
   constexpr std::size_t kLeastPoints = 40;
   AdjustedCamera result{camera, 0, 0, false};
   if (points.world.size() < kLeastPoints) return result;
-  result.beforePx = result.afterPx = rms(PinholeView(camera), points);
-  const Intrinsics& k = camera.intrinsics;
-  // OpenCV's axes: y down, z forward; pixel centres at whole numbers.
-  const glm::dquat halfTurnAboutX(0.0, 1.0, 0.0, 0.0);
-  const glm::dquat toCamera = glm::conjugate(camera.pose.rotation * halfTurnAboutX);
-  const glm::dvec3 shift = toCamera * (points.origin - camera.pose.position);
-  const glm::dmat3 turn = glm::mat3_cast(toCamera);
-  cv::Mat matrix = (cv::Mat_<double>(3, 3) << k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1);
-  cv::Mat rotation(3, 3, CV_64F), vector, translation = (cv::Mat_<double>(3, 1) << shift.x, shift.y, shift.z);
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) rotation.at<double>(row, column) = turn[column][row];
-  cv::Rodrigues(rotation, vector);
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50, 1e-9);
-  Camera better = camera;
-  try {
-    // The pose, then the focal length by the remaining scale about the principal point, in turn.
-    for (int turnNumber = 0; turnNumber < 10; ++turnNumber) {
-      cv::solvePnPRefineLM(points.world, points.pixel, matrix, cv::noArray(), vector, translation, until);
-      std::vector<cv::Point2f> seen;
-      cv::projectPoints(points.world, vector, translation, matrix, cv::noArray(), seen);
-      double wanted = 0, have = 0;
-      for (std::size_t p = 0; p < seen.size(); ++p) {
-        const cv::Point2d principal(k.cx, k.cy), a = cv::Point2d(seen[p]) - principal, b = cv::Point2d(points.pixel[p]) - principal;
-        wanted += a.dot(b), have += a.dot(a);
-      }
-      if (!(have > 0) || !(wanted > 0)) return result;
-      matrix.at<double>(0, 0) *= wanted / have;
-      matrix.at<double>(1, 1) *= wanted / have;
-    }
-    cv::Rodrigues(vector, rotation);
-  } catch (const cv::Exception&) {
-    return result;  // a singular system: the camera stays
-  }
-  glm::dmat3 found;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) found[column][row] = rotation.at<double>(row, column);
-  const glm::dquat q = glm::normalize(glm::quat_cast(found));
-  const glm::dvec3 t(translation.at<double>(0), translation.at<double>(1), translation.at<double>(2));
-  better.pose = poseFromWorldToCamera(q, t);
-  better.pose.position += points.origin;
-  better.intrinsics.fx = matrix.at<double>(0, 0);
-  better.intrinsics.fy = matrix.at<double>(1, 1);
-  const double after = rms(PinholeView(better), points);
-  if (!(after < result.beforePx)) return result;
-  return {better, result.beforePx, after, true};
+  const glm::dquat turn = glm::conjugate(camera.pose.rotation);
+  const Placed before{camera.intrinsics, turn, turn * (points.origin - camera.pose.position)};
+  result.beforePx = result.afterPx = rms(normalEquations(before, points).squares, points);
+  const Placed after = fitted(before, points);
+  const double afterPx = rms(normalEquations(after, points).squares, points);
+  if (!(afterPx < result.beforePx)) return result;
+  const glm::dquat rotation = glm::conjugate(after.turn);
+  return {{after.k, {points.origin - rotation * after.shift, rotation}}, result.beforePx, afterPx, true};
 }
 
 }  // namespace
@@ -95,10 +141,8 @@ std::vector<AdjustedCamera> adjustedCameras(const TriangleMesh& mesh, std::span<
     for (std::size_t v = 0; v < n; ++v) {
       const auto seen = members[v] >> i & 1 ? view.seen(mesh.positions[v]) : std::nullopt;
       if (!seen) continue;
-      const glm::dvec3 p = mesh.positions[v] - points.origin;
-      const glm::dvec2 at = seen->pixel + glm::dvec2(offsets[i * n + v]);
-      points.world.emplace_back(float(p.x), float(p.y), float(p.z));
-      points.pixel.emplace_back(float(at.x), float(at.y));
+      points.world.push_back(mesh.positions[v] - points.origin);
+      points.pixel.push_back(seen->pixel + glm::dvec2(offsets[i * n + v]));
     }
     cameras.push_back(adjusted(views[i].camera, points));
   }

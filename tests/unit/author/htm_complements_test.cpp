@@ -238,14 +238,14 @@ TEST_CASE("A camera that stands wrong and zooms wrong is put right by its offset
     const std::size_t n = mesh.positions.size();
     for (int kind = 0; kind < 4; ++kind) {
       INFO(kind << " " << middle.x);
-      const Camera truly = lookingAt(middle + glm::dvec3(1, 1, 4), middle, 320, 240);
+      const Camera truly = lookingAt(middle + glm::dvec3(0.6, 0.5, 2.2), middle, 320, 240);
       HtmView view = plainView(truly);
       if (kind & 1) view.camera = test::disturbed(truly, 0.01, 0.02, 1);
-      if (kind & 2) view.camera.intrinsics.fx *= 1.01, view.camera.intrinsics.fy *= 1.01;
+      if (kind & 2) view.camera.intrinsics.fx *= 1.03, view.camera.intrinsics.fy *= 1.03;
       std::vector<CameraSet> members(n);
       std::vector<glm::vec2> offsets(n);
       for (std::size_t v = 0; v < n; ++v) {
-        members[v] = glm::dot(mesh.positions[v] - middle, glm::dvec3(1, 1, 4)) > 0.8;
+        members[v] = glm::dot(mesh.positions[v] - middle, glm::dvec3(0.6, 0.5, 2.2)) > 1.0;
         offsets[v] = members[v] ? glm::vec2(PinholeView(truly).seen(mesh.positions[v])->pixel -
                                             PinholeView(view.camera).seen(mesh.positions[v])->pixel)
                                 : glm::vec2(1e5f);
@@ -261,6 +261,8 @@ TEST_CASE("A camera that stands wrong and zooms wrong is put right by its offset
           most = std::max(most, glm::distance(PinholeView(truly).seen(mesh.positions[v])->pixel,
                                               PinholeView(found.camera).seen(mesh.positions[v])->pixel));
       CHECK(most < 0.1);
+      CHECK(found.camera.intrinsics.fx == Approx(truly.intrinsics.fx).epsilon(1e-3));
+      CHECK(glm::distance(found.camera.pose.position, truly.pose.position) < 0.01);
       CHECK(found.camera.intrinsics.cx == view.camera.intrinsics.cx);
       CHECK(found.camera.intrinsics.fx / found.camera.intrinsics.fy ==
             Approx(view.camera.intrinsics.fx / view.camera.intrinsics.fy));
@@ -292,7 +294,18 @@ TEST_CASE("A camera of too few vertices, or of none, stays as it is") {
   const AdjustedCamera there = adjustedCameras(point, {views.data(), 1}, all, away).front();
   CHECK(std::isfinite(there.afterPx));
   CHECK(std::isfinite(there.camera.pose.position.x + there.camera.intrinsics.fx + there.camera.pose.rotation.w));
-  CHECK(there.afterPx <= there.beforePx);
+  CHECK(there.afterPx < 0.01);
+  CHECK(glm::distance(there.camera.pose.position, views[0].camera.pose.position) < 0.1);
+  // A wall seen from its front: distance and focal length are one, and neither runs away.
+  const TriangleMesh wall = test::moved(test::flatGrid(8), {-4, -4, 0});
+  const HtmView front = plainView(lookingAt({0, 0, 12}, {0, 0, 0}));
+  const std::vector<CameraSet> seen(wall.positions.size(), 1);
+  std::vector<glm::vec2> larger;
+  for (const glm::dvec3& p : wall.positions)
+    larger.push_back(glm::vec2(0.01 * (PinholeView(front.camera).seen(p)->pixel - glm::dvec2(60, 45))));
+  const AdjustedCamera zoomed = adjustedCameras(wall, {&front, 1}, seen, larger).front();
+  CHECK(zoomed.afterPx < 1e-3);
+  CHECK(glm::distance(zoomed.camera.pose.position, front.camera.pose.position) < 0.2);
 }
 
 }  // namespace ibr
