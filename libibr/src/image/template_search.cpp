@@ -148,14 +148,22 @@ class Correlation {
       return sum;
     }
   };
+  // A loop a sum: together they would not be vectorised.
   static void add(Sums& sums, const std::uint8_t* values, const Bytes& wanted, const Bytes& mask) {
+    std::array<std::int16_t, kBlock> a, b;
+    int squares = 0, products = 0;
     IBR_AS_LOOP
-    for (std::size_t k = 0; k < kBlock; ++k) {
-      const int value = std::uint8_t(values[k] & mask[k]);
-      sums.values[k] += value;
-      sums.squares += value * value;
-      sums.products += value * wanted[k];
-    }
+    for (std::size_t k = 0; k < kBlock; ++k) a[k] = std::int16_t(values[k] & mask[k]);
+    IBR_AS_LOOP
+    for (std::size_t k = 0; k < kBlock; ++k) b[k] = wanted[k];
+    IBR_AS_LOOP
+    for (std::size_t k = 0; k < kBlock; ++k) sums.values[k] += a[k];
+    IBR_AS_LOOP
+    for (std::size_t k = 0; k < kBlock; ++k) squares += a[k] * a[k];
+    IBR_AS_LOOP
+    for (std::size_t k = 0; k < kBlock; ++k) products += a[k] * b[k];
+    sums.squares += squares;
+    sums.products += products;
   }
 
   double count_;
