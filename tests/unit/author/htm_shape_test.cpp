@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/htm_shape.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "htm_object.h"
+#include "support/test_meshes.h"
+
+namespace ibr {
+namespace {
+
+// A wall that is said to lie `bump` before where it is, and what three cameras show of it.
+struct Wall {
+  TriangleMesh truly, said;
+  std::vector<HtmView> views;
+  std::vector<CameraSet> members;
+  std::vector<VertexMatch> matches;
+
+  template <class Bump>
+  explicit Wall(const Bump& bump, glm::dvec3 middle = glm::dvec3(0))
+      : truly(test::moved(test::flatGrid(8), middle + glm::dvec3(-4, -4, 0))), said(truly) {
+    const std::vector<glm::dvec3> normals = vertexNormals(truly);
+    for (std::size_t v = 0; v < said.positions.size(); ++v) said.positions[v] += normals[v] * bump(v);
+    const double side = normals[0].z > 0 ? 1 : -1;  // from which the wall is seen from its front
+    for (const glm::dvec3& from : {glm::dvec3(-3, 0, 9), {0.3, 2, 10}, {4, -1, 8}})
+      views.push_back(test::plainView(test::lookingAt(middle + from * glm::dvec3(1, 1, side), middle, 200, 150)));
+    members.assign(said.positions.size(), 7);
+    match();
+  }
+  void match() {
+    const std::size_t n = said.positions.size();
+    matches.assign(9 * n, {});
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t v = 0; v < n; ++v) {
+        const auto at = PinholeView(views[j].camera).seen(said.positions[v]);
+        const auto point = at ? test::pointBehind(truly, views[j].camera, at->pixel) : std::nullopt;
+        for (std::size_t i = 0; point && i < 3; ++i) {
+          if (i == j) continue;
+          const PinholeView view(views[i].camera);
+          matches[(i * 3 + j) * n + v] = {glm::vec2(view.seen(*point)->pixel - view.seen(said.positions[v])->pixel),
+                                          glm::vec3(20, 0, 20), 0};
+        }
+      }
+  }
+  std::vector<double> found(double smoothness = 1e-6) const {
+    return normalDisplacements(said, views, members, matches, {smoothness, 2});
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Vertices that lie before the surface are found to lie there, each by itself or all together") {
+  const double far = GENERATE(0.0, 1e6);
+  const auto bump = [](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); };
+  const Wall wall(bump, glm::dvec3(far, -far, far));
+  const std::vector<double> found = wall.found();
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    INFO(v);
+    if (wall.matches[wall.said.positions.size() + v].information != glm::vec3(0)) CHECK(found[v] == Approx(-bump(v)).margin(0.004));
+  }
+  const Wall flat([](std::size_t) { return 0.08; }, glm::dvec3(far));
+  for (const double smoothness : {1e-3, 1.0, 100.0})
+    for (const double moved : flat.found(smoothness)) CHECK(moved == Approx(-0.08).margin(0.006));
+}
+
+TEST_CASE("One match that is far off moves nothing, and vertices without matches follow those around") {
+  Wall wall([](std::size_t) { return 0.08; });
+  const std::size_t n = wall.said.positions.size();
+  wall.matches[n + 40].displacement += glm::vec2(30, -20);
+  for (std::size_t pair = 0; pair < 9; ++pair) wall.matches[pair * n + 20] = {};
+  const std::vector<double> found = wall.found(1);
+  CHECK(found[40] == Approx(-0.08).margin(0.01));
+  CHECK(found[20] == Approx(-0.08).margin(0.01));
+}
+
+TEST_CASE("What is right or was not matched stays") {
+  Wall wall([](std::size_t) { return 0.0; });
+  for (const double moved : wall.found()) CHECK(std::abs(moved) < 1e-4);
+  wall.matches.assign(wall.matches.size(), {});
+  for (const double moved : wall.found()) CHECK(moved == 0);
+  wall.members.assign(wall.members.size(), 0);
+  for (const double moved : wall.found()) CHECK(moved == 0);
+}
+
+TEST_CASE("Cameras that look along the surface do not count") {
+  Wall wall([](std::size_t) { return 0.08; });
+  for (HtmView& view : wall.views) view.camera = test::lookingAt({30, 0.1, 0.5}, {0, 0, 0}, 200, 150);
+  for (const double moved : wall.found()) CHECK(moved == 0);
+}
+
+TEST_CASE("Vertices move along their normals, but no face is turned over") {
+  const TriangleMesh grid = test::flatGrid(4);
+  std::vector<double> by(grid.positions.size(), 0.25);
+  TriangleMesh moved = displaced(grid, by);
+  for (std::size_t v = 0; v < by.size(); ++v)
+    CHECK(glm::distance(moved.positions[v], grid.positions[v]) == Approx(0.25));
+  by[12] = 50;
+  moved = displaced(grid, by);
+  CHECK(moved.positions[12] == grid.positions[12]);
+  CHECK(glm::distance(moved.positions[0], grid.positions[0]) == Approx(0.25));
+  CHECK(displaced({}, {}).triangles.empty());
+}
+
+}  // namespace ibr
