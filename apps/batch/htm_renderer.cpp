@@ -64,8 +64,10 @@ HtmPictures::Picture HtmPictures::render(const Camera& view, const HtmSettings& 
   const auto begin = Clock::now();
   const HtmFramePlan plan = planHtmFrame(model_, bounds_, {view, settings, dtSeconds}, state);
   picture.weights = millisecondsSince(begin);
+  const auto planned = Clock::now();
   prepare(view.intrinsics);
   const auto recorded = Clock::now();
+  picture.preparation = millisecondsSince(planned);
   picture.image = offscreen_->render([&](VkCommandBuffer commands) {
     timer_.reset(commands);
     renderer_->record(commands, plan, offscreen_->target(), &timer_);

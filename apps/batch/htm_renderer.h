@@ -26,10 +26,11 @@ class HtmPictures {
 
   struct Picture {
     Image8 image;              // RGBA; alpha: covered (HtmRenderer::record)
+    double preparation = 0;    // pipelines and targets that were not there yet, ms
     double weights = 0;        // eq. 5, ms of the processor
     double coordinates = 0;    // eq. 6, ms of the device
     double rasterisation = 0;  // eq. 7, likewise
-    double milliseconds = 0;   // from planning until the picture is on the host
+    double milliseconds = 0;   // from planning until the picture is on the host, without preparation
   };
   /// Of any size. `state` is that of the last picture of the same walk, `dtSeconds` the time since; {} and 0 for a
   /// picture by itself.

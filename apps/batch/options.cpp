@@ -102,4 +102,26 @@ CLI::Option* addAutoPath(CLI::App& app, int& frames) {
       ->type_name("auto:N");
 }
 
+CLI::Option* addFov(CLI::App& app, double& degrees) {
+  return app
+      .add_option_function<std::string>(
+          "--fov", [&degrees](const std::string& text) { degrees = parsedDouble("--fov", text, 1, 179); },
+          "Vertical field of view, were the principal point in the middle [that of the poses]")
+      ->type_name("DEGREES");
+}
+
+std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare) {
+  const std::size_t before = app.get_options().size();
+  declare();
+  std::vector<CLI::Option*> options = app.get_options();
+  options.erase(options.begin(), options.begin() + std::ptrdiff_t(before));
+  for (CLI::Option* option : options) option->group(group);
+  return options;
+}
+
+void refuseGiven(const std::vector<CLI::Option*>& options, const std::string& why) {
+  for (const CLI::Option* option : options)
+    if (option->count() > 0) throw CLI::ValidationError(option->get_name(), why);
+}
+
 }  // namespace ibr::app

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <functional>
 #include <set>
 #include <string>
 #include <utility>
@@ -36,6 +37,15 @@ CLI::Option* addSize(CLI::App& app, const std::string& name, PictureSize& size, 
 
 /// --path auto:N: how many views of a path that is made from the photographs.
 CLI::Option* addAutoPath(CLI::App& app, int& frames);
+
+/// --fov: degrees, 0 where it is not given.
+CLI::Option* addFov(CLI::App& app, double& degrees);
+
+/// What `declare` declares becomes a group of its own in the help; these options.
+std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare);
+
+/// Throws CLI::ValidationError of the first of them that was given, with `why`.
+void refuseGiven(const std::vector<CLI::Option*>& options, const std::string& why);
 
 /// One of a few words.
 template <class T>

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "batch/command.h"
+#include "batch/htm_views.h"
 #include "batch/options.h"
 #include "batch/pictures.h"
 #include "batch/poses.h"
@@ -40,6 +41,7 @@ struct Options {
   double eyeHeight = 0;  // over the guiding floor; 0: no floor
   RenderSettings settings;
   GpuSceneOptions gpuScene;
+  HtmViewsOptions htm;  // what only they have
 };
 
 // Below where the photographs were taken, and level as they were held.
@@ -56,7 +58,43 @@ Floor floorBelow(const Scene& scene, double eyeHeight) {
   return {up, glm::dot(up, middle) - eyeHeight, 0.5 * eyeHeight, 8 * eyeHeight};
 }
 
+void declareSceneOptions(CLI::App& app, Options& options) {
+  const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
+    return app.add_option_function<std::string>(
+        name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+        description);
+  };
+  auto* stereo = app.add_flag("--stereo", options.stereo, "A picture for each eye, NAME_l and NAME_r");
+  number("--ipd", options.ipd, 1e-9, 1e9, "Distance of the eyes in world units, metres where poses are metric")
+      ->type_name("METRES")
+      ->needs(stereo);
+  app.add_flag("--buffers", options.buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
+  number("--floor", options.eyeHeight, 1e-9, 1e9,
+         "A grid so far below the photographs, in world units, where none of them shows anything")
+      ->type_name("METRES");
+  declareSettings(app, options.settings);  // --preset among them, which comes before all other settings
+  app.add_flag("--wireframe", options.settings.wireframe,
+               "Edges of the triangles over the picture, the better a cell's rank the lighter");
+  declareGpuScene(app, options.gpuScene);
+}
+
+bool isHarmonised(std::optional<AssetKind> kind) {
+  return kind == AssetKind::htmModel || kind == AssetKind::htmSequence;
+}
+
+ExitCode renderHarmonised(const Options& options, const Context& context) {
+  HtmViewsOptions htm = options.htm;
+  htm.model = options.scene;
+  htm.poses = options.poses;
+  htm.output = options.output;
+  htm.autoFrames = options.autoFrames;
+  htm.size = options.size;
+  htm.fovDegrees = options.fovDegrees;
+  return renderHtmViews(htm, context);
+}
+
 ExitCode renderViews(const Options& options, const Context& context) {
+  if (isHarmonised(assetKind(options.scene))) return renderHarmonised(options, context);
   const Scene scene = loadScene(options.scene);
   RenderSettings settings = options.settings;
   if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
@@ -129,12 +167,13 @@ ExitCode renderViews(const Options& options, const Context& context) {
 
 const Command kRenderCommand{
     .name = "render",
-    .summary = "Renders new views of a scene as PNG files",
+    .summary = "Renders new views of a scene, a harmonised model or 3D video as PNG files",
     .examples =
         "ibr render scene --path auto:90 -o pictures\n"
         "ibr render scene --poses held-out/sparse -o pictures\n"
         "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
-        "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures",
+        "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures\n"
+        "ibr render model --path auto:90 -o pictures",
     .details =
         "--poses takes a COLMAP model's folder, transforms.json, or a camera path:\n"
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
@@ -149,11 +188,12 @@ const Command kRenderCommand{
         "depth,\n"
         "1/world unit), confidence.extrapolation (distance to the cell, world units). While a switch is mixed they "
         "are\n"
-        "those of the new order.",
+        "those of the new order.\n"
+        "Harmonised models and 3D video are drawn as ibr htm render does (ibr htm render --help).",
     .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
       auto* poses =
           app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, or a camera path")->type_name("FILE|DIR");
       poses->excludes(addAutoPath(app, options->autoFrames));
@@ -161,27 +201,17 @@ const Command kRenderCommand{
           ->required()
           ->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
-      const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
-        return app.add_option_function<std::string>(
-            name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
-            description);
-      };
-      number("--fov", options->fovDegrees, 1, 179,
-             "Vertical field of view, were the principal point in the middle [that of the poses]")
-          ->type_name("DEGREES");
-      auto* stereo = app.add_flag("--stereo", options->stereo, "A picture for each eye, NAME_l and NAME_r");
-      number("--ipd", options->ipd, 1e-9, 1e9, "Distance of the eyes in world units, metres where poses are metric")
-          ->type_name("METRES")
-          ->needs(stereo);
-      app.add_flag("--buffers", options->buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
-      number("--floor", options->eyeHeight, 1e-9, 1e9,
-             "A grid so far below the photographs, in world units, where none of them shows anything")
-          ->type_name("METRES");
-      declareSettings(app, options->settings);  // --preset among them, which comes before all other settings
-      app.add_flag("--wireframe", options->settings.wireframe,
-                   "Edges of the triangles over the picture, the better a cell's rank the lighter");
-      declareGpuScene(app, options->gpuScene);
-      app.callback([options] {
+      addFov(app, options->fovDegrees);
+      const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });
+      const auto ofModels = inGroup(app, "Harmonised models, 3D video", [&] { declareHtmViews(app, options->htm); });
+      app.callback([options, ofScenes, ofModels] {
+        options->htm.model = options->scene;
+        const std::optional<AssetKind> kind = assetKind(options->scene);
+        if (kind == AssetKind::scene) refuseGiven(ofModels, "is of harmonised models, and " + options->scene + " a scene");
+        if (isHarmonised(kind)) {
+          refuseGiven(ofScenes, "is of scenes, and " + options->scene + " a harmonised model or 3D video");
+          checkHtmViews(options->htm, kind);
+        }
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
         if (options->settings.wireframe && optionsFor(options->settings, {}).colour == ColourSupport::all)
           throw CLI::ValidationError("--wireframe", "does not go with the paper's ways of --colour");

@@ -69,6 +69,11 @@ struct HtmState {
   std::vector<double> logWeights;  // by camera, of the largest 0
 };
 
+/// The state of a walk whose last frame was drawn of `before`, for its next one, of `model`: as 3D video goes on, or is
+/// replaced by something else. Cameras are the same where their names are; one that was not there comes from the least
+/// weight that was. {} where no camera is the same.
+HtmState htmStateFor(const HtmModel& model, const HtmModel& before, const HtmState& state);
+
 struct PlannedHtmCamera {
   std::uint32_t camera = 0;  // index into HtmModel::cameras
   double logWeight = 0;      // natural logarithm of w over the best camera's: <= 0, finite

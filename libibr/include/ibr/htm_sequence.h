@@ -36,8 +36,13 @@ std::vector<Fault> validateHtmSequenceFiles(const std::filesystem::path& path, s
 struct HtmFrame {
   HtmModel model;
   std::vector<HtmPicture> pictures;  // by camera
+  double loadMilliseconds = 0;       // that loading it took
   std::uint64_t bytes() const;       // of memory, about
 };
+
+/// The model of a folder, with its pictures by `pictures`; none: they are left empty. Throws what loadHtmModel and
+/// `pictures` throw.
+HtmFrame loadHtmFrame(const std::filesystem::path& model, const HtmPictureSource& pictures);
 
 struct HtmSequenceOptions {
   std::size_t ahead = 8;  // frames after the current one that are loaded in the background

@@ -5,7 +5,9 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <string_view>
 
 #include "base/check.h"
 #include "htm/weights.h"
@@ -93,6 +95,23 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
   }
   plan.next.logWeights = std::move(logs);
   return plan;
+}
+
+HtmState htmStateFor(const HtmModel& model, const HtmModel& before, const HtmState& state) {
+  if (state.logWeights.size() != before.cameras.size() || state.logWeights.empty()) return {};
+  std::map<std::string_view, double> known;
+  for (std::size_t i = 0; i < before.cameras.size(); ++i) known.emplace(before.cameras[i].name, state.logWeights[i]);
+  const double least = *std::ranges::min_element(state.logWeights);
+  double largest = -std::numeric_limits<double>::infinity();
+  HtmState next;
+  for (const HtmCamera& camera : model.cameras) {
+    const auto found = known.find(camera.name);
+    next.logWeights.push_back(found != known.end() ? found->second : least);
+    if (found != known.end()) largest = std::max(largest, found->second);
+  }
+  if (std::isinf(largest)) return {};
+  for (double& log : next.logWeights) log -= largest;
+  return next;
 }
 
 HtmModel baselineModel(const HtmModel& model) {

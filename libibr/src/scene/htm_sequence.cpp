@@ -2,6 +2,7 @@
 #include "ibr/htm_sequence.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <map>
@@ -27,6 +28,16 @@ std::uint64_t HtmFrame::bytes() const {
   if (model.source) sum += bytesOf(*model.source);
   for (const HtmPicture& picture : pictures) sum += picture.photograph.values.size() + picture.visibility.values.size();
   return sum;
+}
+
+HtmFrame loadHtmFrame(const fs::path& model, const HtmPictureSource& pictures) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  HtmFrame frame{loadHtmModel(model), {}};
+  for (std::size_t i = 0; i < frame.model.cameras.size(); ++i)
+    frame.pictures.push_back(pictures ? pictures(frame.model, i) : HtmPicture{});
+  frame.loadMilliseconds = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  return frame;
 }
 
 struct HtmSequence::State {
@@ -107,10 +118,7 @@ struct HtmSequence::State {
   Entry load(std::size_t frame) const {
     Entry entry;
     try {
-      auto loaded = std::make_shared<HtmFrame>();
-      loaded->model = loadHtmModel(folder / index.frames[frame]);
-      for (std::size_t i = 0; i < loaded->model.cameras.size(); ++i)
-        loaded->pictures.push_back(pictures ? pictures(loaded->model, i) : HtmPicture{});
+      auto loaded = std::make_shared<HtmFrame>(loadHtmFrame(folder / index.frames[frame], pictures));
       entry.bytes = loaded->bytes();
       entry.frame = std::move(loaded);
     } catch (...) {

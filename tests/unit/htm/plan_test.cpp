@@ -134,4 +134,27 @@ TEST_CASE("a baseline is the source mesh without complements", "[htm]") {
   CHECK(validate(baseline).empty());
 }
 
+TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
+  const auto named = [](const std::vector<std::string>& names) {
+    HtmModel model;
+    for (const std::string& name : names) model.cameras.push_back({name, {}, {}, {}});
+    return model;
+  };
+  const HtmModel before = named({"a", "b", "c"});
+  const HtmState state{{-3, 0, -1}};
+  const auto logs = [&](const std::vector<std::string>& names) {
+    return htmStateFor(named(names), before, state).logWeights;
+  };
+  CHECK(logs({"a", "b", "c"}) == state.logWeights);
+  CHECK(logs({"c", "a", "b"}) == std::vector<double>{-1, -3, 0});
+  CHECK(logs({"c", "a"}) == std::vector<double>{0, -2});                 // the largest is 0 again
+  CHECK(logs({"c", "new", "b", "a"}) == std::vector<double>{-1, -3, 0, -3});
+  CHECK(logs({"new", "c"}) == std::vector<double>{-2, 0});
+  CHECK(logs({"new", "newer"}).empty());
+  CHECK(logs({}).empty());
+  // What is no state of the model before is none.
+  CHECK(htmStateFor(before, before, {}).logWeights.empty());
+  CHECK(htmStateFor(before, before, {{0, 0}}).logWeights.empty());
+}
+
 }  // namespace ibr::test
