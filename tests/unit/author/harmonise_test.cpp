@@ -5,45 +5,17 @@
 #include <cmath>
 #include <random>
 
-#include "htm_object.h"
-#include "ibr/htm_author.h"
+#include "small_body.h"
 #include "support/error_of.h"
 
 namespace ibr {
 namespace {
 
-constexpr int kCameras = 8;
-
-test::BumpyModel body(int cameras = kCameras, glm::dvec3 middle = glm::dvec3(0)) {
-  test::BumpyOptions options;
-  options.cameras = cameras;
-  options.disagreement = 0;
-  options.middle = middle;
-  return test::bumpyModel(options);
-}
-
-const test::BumpyModel& theBody() {
-  static const test::BumpyModel bumpy = body();
-  return bumpy;
-}
-
-// Quick, and the mesh as it is.
-HtmOptions plainOptions() {
-  HtmOptions options;
-  options.faces = 0;
-  options.inconsistentShare = 0;
-  options.adjustRounds = 0;
-  options.rounds = 1;
-  options.radius = 8;
-  options.threads = 1;
-  return options;
-}
-
-std::vector<HtmPhotograph> disturbed(std::vector<HtmPhotograph> photographs) {
-  for (std::size_t i = 0; i < photographs.size(); ++i)
-    photographs[i].camera.camera = test::disturbed(photographs[i].camera.camera, 0.006, 0.008, int(i));
-  return photographs;
-}
+using test::body;
+using test::disturbed;
+using test::kCameras;
+using test::plainOptions;
+using test::theBody;
 
 double medianLength(const std::vector<glm::vec2>& complements) {
   std::vector<double> lengths;
@@ -271,83 +243,6 @@ TEST_CASE("One camera is a model, and masks bound what is seen") {
   const HtmResult half = harmonise(theBody().model.surface.mesh, photographs, options);
   CHECK(half.report.camerasPerVertex < 0.8 * result.report.camerasPerVertex);
   for (int x = 0; x < 160; ++x) CHECK(half.visibility[0].pixel(x, 60)[0] == 0);
-}
-
-TEST_CASE("Nothing is made of what cannot be") {
-  const auto photographs = test::photographsOf(theBody());
-  const TriangleMesh& mesh = theBody().model.surface.mesh;
-  const auto refused = [&](const TriangleMesh& of, const std::vector<HtmPhotograph>& by, const HtmOptions& options,
-                           const std::string& what) {
-    INFO(what);
-    const Error error = test::errorOf([&] { harmonise(of, by, options); });
-    CHECK(error.code() == ErrorCode::invalidInput);
-    CHECK_THAT(error.what(), Catch::Contains(what));
-  };
-  const HtmOptions good = plainOptions();
-  refused(mesh, {}, good, "0 cameras");
-  refused(mesh, std::vector<HtmPhotograph>(65, photographs[0]), good, "65 cameras");
-  refused({}, photographs, good, "no camera sees");
-  TriangleMesh far = test::moved(mesh, {100, 100, 100});
-  refused(far, photographs, good, "no camera sees");
-  TriangleMesh broken = mesh;
-  broken.triangles[7].y = glm::uint(mesh.positions.size());
-  refused(broken, photographs, good, "face 7");
-  broken = mesh;
-  broken.positions[5].z = std::nan("");
-  refused(broken, photographs, good, "vertex 5");
-  auto by = photographs;
-  by[2].picture = Image8(160, 119, 3);
-  refused(mesh, by, good, by[2].camera.name);
-  by[2].picture = Image8(160, 120, 1);
-  refused(mesh, by, good, by[2].camera.name);
-  by = photographs;
-  by[1].mask = Image8(80, 60, 1);
-  refused(mesh, by, good, "mask");
-  by = photographs;
-  by[4].camera.camera.intrinsics.model = CameraModel::equirectangular;
-  refused(mesh, by, good, by[4].camera.name);
-  by = photographs;
-  by[0].camera.camera.intrinsics.width = 40000;
-  by[0].camera.camera.intrinsics.height = 1;
-  by[0].picture = Image8(40000, 1, 3);
-  refused(mesh, by, good, by[0].camera.name);
-  const auto with = [&](auto&& change) {
-    HtmOptions options = good;
-    change(options);
-    return options;
-  };
-  refused(mesh, photographs, with([](HtmOptions& o) { o.rounds = 0; }), "rounds");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.radius = 0; }), "radius");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.laterRadius = 65; }), "laterRadius");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.smoothness = std::nan(""); }), "smoothness");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.alpha = 1.1; }), "alpha");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.gamma1 = 0; }), "gamma1");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.outlierPx = 0; }), "outlierPx");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.adjustRounds = -1; }), "adjustRounds");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.adjustSmoothness = -1; }), "adjustSmoothness");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.leastTexture = HUGE_VAL; }), "leastTexture");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.inconsistentShare = -0.1; }), "inconsistentShare");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.meanDifference = std::nan(""); }), "meanDifference");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.leastFacePx = -1; }), "leastFacePx");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.rejectCorrelation = 2; }), "rejectCorrelation");
-  refused(mesh, photographs, with([](HtmOptions& o) { o.softPx = 0; }), "softPx");
-}
-
-TEST_CASE("Harmonising ends at any step when it is told to") {
-  const test::BumpyModel bumpy = body(3);
-  HtmOptions options = plainOptions();
-  options.faces = 150;
-  options.adjustRounds = 1;
-  options.radius = 2;
-  const auto photographs = test::photographsOf(bumpy);
-  int steps = 0;
-  harmonise(bumpy.model.surface.mesh, photographs, options, [&](const Progress&) { return ++steps > 0; });
-  for (int last = 0; last < std::min(steps, 30); ++last) {
-    int left = last;
-    const auto stop = [&](const Progress&) { return left-- > 0; };
-    CHECK(test::errorOf([&] { harmonise(bumpy.model.surface.mesh, photographs, options, stop); }).code() ==
-          ErrorCode::cancelled);
-  }
 }
 
 }  // namespace ibr
