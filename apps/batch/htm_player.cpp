@@ -8,11 +8,19 @@
 #include "ibr/asset.h"
 
 namespace ibr::app {
+namespace {
+
+// On the thread that loads.
+HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
+  return preparedHtmPicture(model, camera, readHtmPicture(model, camera));
+}
+
+}  // namespace
 
 HtmPlayer::HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& options, const Context& context)
     : path_(path), onSource_(options.onSource), context_(context) {
   if (assetKind(path) == AssetKind::htmSequence) {
-    sequence_ = std::make_unique<HtmSequence>(path, readHtmPicture, HtmSequenceOptions{.ahead = options.ahead});
+    sequence_ = std::make_unique<HtmSequence>(path, readPrepared, HtmSequenceOptions{.ahead = options.ahead});
     show(options.seconds);
     return;
   }

@@ -42,7 +42,7 @@ class HtmPlayer {
   struct Shown {
     std::size_t frame = 0;
     std::string name;        // its model's folder
-    double loading = 0;      // model and pictures from their files, mostly in the background
+    double loading = 0;      // model and mip levels of pictures from files, of 3D video in the background
     double waiting = 0;      // of that, how long nothing else was done
     double upload = 0;       // GpuHtmModel
     double preparation = 0;  // pipelines and targets

@@ -95,6 +95,10 @@ struct HtmFramePlan {
 HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
                           const HtmState& state = {});
 
+/// What GpuHtmModel makes of a camera's picture before it is uploaded, for another thread to do ahead of time: its mip
+/// levels, a third more memory. Throws Error{invalidInput} for a picture that does not fit its camera.
+HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture);
+
 struct GpuHtmModelOptions {
   std::optional<bool> trilinear;  // between mip levels; default: on GPUs, not on software devices
 };

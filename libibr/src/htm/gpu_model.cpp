@@ -25,6 +25,16 @@ Buffer upload(const Device& device, std::span<const std::byte> bytes, const char
   return buffer;
 }
 
+// That holds every camera's picture.
+VkExtent2D pageOf(const HtmModel& model) {
+  VkExtent2D page{1, 1};
+  for (const HtmCamera& camera : model.cameras) {
+    page.width = std::max(page.width, std::uint32_t(camera.camera.intrinsics.width));
+    page.height = std::max(page.height, std::uint32_t(camera.camera.intrinsics.height));
+  }
+  return page;
+}
+
 // RGBA of the page's size: beyond the picture its border goes on.
 Image8 padded(const HtmPicture& picture, VkExtent2D page) {
   const Image8& photograph = picture.photograph;
@@ -87,6 +97,11 @@ const HtmModel& checked(const HtmModel& model) {
 
 }  // namespace
 
+HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture) {
+  checkPicture(picture, model.cameras[camera]);
+  return {{}, {}, buildMips(padded(picture, pageOf(model)))};
+}
+
 GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictureSource& source,
                           const GpuHtmModelOptions& options)
     : bounds(htmBounds(checked(model))),
@@ -121,11 +136,7 @@ void GpuHtmModel::State::uploadMesh(const Device& device, const HtmModel& model)
 
 void GpuHtmModel::State::uploadPhotographs(const Device& device, const HtmModel& model,
                                            const HtmPictureSource& source) {
-  VkExtent2D page{1, 1};
-  for (const Camera& camera : cameras) {
-    page.width = std::max(page.width, std::uint32_t(camera.intrinsics.width));
-    page.height = std::max(page.height, std::uint32_t(camera.intrinsics.height));
-  }
+  const VkExtent2D page = pageOf(model);
   const auto layers = std::uint32_t(cameras.size());
   photographs = GpuImage(device,
                          {.format = VK_FORMAT_R8G8B8A8_UNORM,
@@ -144,9 +155,12 @@ void GpuHtmModel::State::uploadPhotographs(const Device& device, const HtmModel&
                     "depths of a harmonised model");
   Uploader uploader(device);
   for (std::uint32_t i = 0; i < layers; ++i) {
-    const HtmPicture picture = source(model, i);
-    checkPicture(picture, model.cameras[i]);
-    const std::vector<Image8> mips = buildMips(padded(picture, page));
+    HtmPicture picture = source(model, i);
+    if (picture.levels.empty()) picture = preparedHtmPicture(model, i, std::move(picture));
+    const std::vector<Image8>& mips = picture.levels;
+    check(mips.size() == photographs.info().mipLevels && mips[0].width == int(page.width) &&
+              mips[0].height == int(page.height),
+          ErrorCode::invalidInput, "camera '{}': its levels are those of another model", model.cameras[i].name);
     for (std::uint32_t level = 0; level < mips.size(); ++level)
       uploader.image(photographs, i, level, {std::uint32_t(mips[level].width), std::uint32_t(mips[level].height)},
                      std::as_bytes(std::span(mips[level].values)));

@@ -26,7 +26,10 @@ std::uint64_t bytesOf(const HtmSurface& surface) {
 std::uint64_t HtmFrame::bytes() const {
   std::uint64_t sum = sizeof *this + bytesOf(model.surface) + model.complements.size() * sizeof(glm::vec2);
   if (model.source) sum += bytesOf(*model.source);
-  for (const HtmPicture& picture : pictures) sum += picture.photograph.values.size() + picture.visibility.values.size();
+  for (const HtmPicture& picture : pictures) {
+    sum += picture.photograph.values.size() + picture.visibility.values.size();
+    for (const Image8& level : picture.levels) sum += level.values.size();
+  }
   return sum;
 }
 

@@ -157,4 +157,22 @@ TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
   CHECK(htmStateFor(before, before, {{0, 0}}).logWeights.empty());
 }
 
+TEST_CASE("a prepared picture is its levels, with visibility as alpha", "[htm]") {
+  HtmModel model = bumpy().model;
+  model.cameras[1].camera.intrinsics.width = 40;  // the widest: the page of all
+  const HtmPicture picture = bumpy().pictures[0], prepared = preparedHtmPicture(model, 0, picture);
+  CHECK(prepared.photograph.empty());
+  CHECK(prepared.visibility.empty());
+  REQUIRE(prepared.levels.size() == 6);
+  const Image8& page = prepared.levels[0];
+  REQUIRE((page.width == 40 && page.height == 24 && page.channels == 4));
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 40; ++x) {
+      const int at = std::min(x, 31);
+      CHECK(page.pixel(x, y)[1] == picture.photograph.pixel(at, y)[1]);
+      CHECK(page.pixel(x, y)[3] == (picture.visibility.empty() ? 255 : picture.visibility.pixel(at, y)[0]));
+    }
+  CHECK(errorOf([&] { preparedHtmPicture(model, 1, picture); }).code() == ErrorCode::invalidInput);
+}
+
 }  // namespace ibr::test
