@@ -35,6 +35,7 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   addInt(app, "--rounds", o.rounds, 1, 16, "Rounds of matching; before each but the first, faces are divided");
   addDouble(app, "--mean-difference", o.meanDifference, 0, 255, "Levels of D_f on average at which dividing ends");
   addDouble(app, "--face-difference", o.faceDifference, 0, 255, "Levels of D_f from which a face is divided");
+  addDouble(app, "--least-face", o.leastFacePx, 0, 1e12, "px^2 in its best camera: smaller faces are not divided");
   app.add_option_function<std::string>(
          "--most-faces",
          [&o](const std::string& text) { o.mostFaces = std::size_t(parsedInt("--most-faces", text, 1, 100000000)); },

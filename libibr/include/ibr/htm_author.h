@@ -26,7 +26,7 @@ struct HtmOptions {
   // Beyond [H]: cameras first settle on what they agree on (author/htm_consensus.h, author/htm_adjust.h), …
   int adjustRounds = 4;           // 0: cameras and shape are taken as they are, as [H] does
   double adjustSmoothness = 100;  // 1 / px², of offsets between neighbours
-  bool reshape = true;            // … and from the second round on vertices move there, too (author/htm_shape.h)
+  bool reshape = true;            // … and vertices move there, too (author/htm_shape.h)
   double shapeSmoothness = 1;     // 1 / px²
   // Algs 3 to 5
   TemplateMeasure measure = TemplateMeasure::absoluteDifferences;
@@ -41,7 +41,7 @@ struct HtmOptions {
   double meanDifference = 1;    // at which no further round is needed
   double faceDifference = 4;    // a face beyond it is divided
   bool selfOccluded = true;     // and so are those that are partly hidden
-  double leastFacePx = 40;      // px² in its best camera: smaller faces are not divided
+  double leastFacePx = 250;     // px² in its best camera: smaller faces are not divided
   std::size_t mostFaces = 20000;  // no further round begins beyond it
   // Cameras that do not agree on a vertex have no part in it (author/htm_reject.h).
   bool reject = true;

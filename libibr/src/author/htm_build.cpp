@@ -96,7 +96,7 @@ class Harmoniser {
     keepStage("original", source, differences(source, original, {}));
 
     TriangleMesh mesh = reducedByShape(source);
-    adjustCameras(mesh);
+    settle(mesh);
     mesh = reducedByTexture(std::move(mesh));
     refine(mesh);
     for (std::size_t i = 0; i < photographs.size(); ++i) {
@@ -222,39 +222,49 @@ class Harmoniser {
     mesh = std::move(divided.mesh);
   }
 
-  void adjustCameras(TriangleMesh& mesh) {
+  // Cameras, then the shape, move to where matches say; then all is matched anew.
+  void settle(TriangleMesh& mesh) {
     for (int round = 0; round < options_.adjustRounds; ++round) {
       const Looked now = timed("visibility", [&] { return looked(mesh); });
       members_ = vertexVisibility(mesh, now.faces);
       match(mesh);
-      timed("cameras", [&] {
-        ConsensusOptions how;
-        how.smoothness = options_.adjustSmoothness;
-        how.outlierPx = options_.outlierPx;
-        HtmReport::Adjustment line;
-        if (options_.reshape && round > 0) line.moved = reshape(mesh);
-        const std::vector<glm::vec2> offsets = consensusOffsets(mesh, views_, members_, matches_, how);
-        const std::vector<AdjustedCamera> adjusted = adjustedCameras(mesh, views_, members_, offsets);
-        for (std::size_t i = 0; i < views_.size(); ++i) {
-          line.beforePx += adjusted[i].beforePx / double(views_.size());
-          line.afterPx += adjusted[i].afterPx / double(views_.size());
-          views_[i].camera = adjusted[i].camera;
-        }
-        result_.report.adjustments.push_back(line);
+      HtmReport::Adjustment& line = result_.report.adjustments.emplace_back();
+      timed("settling", [&] {
+        adjustCameras(mesh, line);
+        if (options_.reshape) reshape(mesh, line);
         return 0;
       });
       complements_.clear();
     }
   }
 
-  // The mean distance that vertices move.
-  double reshape(TriangleMesh& mesh) const {
+  void adjustCameras(const TriangleMesh& mesh, HtmReport::Adjustment& line) {
+    const std::vector<AdjustedCamera> adjusted = adjustedCameras(
+        mesh, views_, members_,
+        consensusOffsets(mesh, views_, members_, matches_,
+                         {.smoothness = options_.adjustSmoothness, .outlierPx = options_.outlierPx}));
+    const std::size_t n = mesh.positions.size();
+    std::vector<glm::vec2> shifts(views_.size() * n, glm::vec2(0.0f));  // of vertices, by the cameras' moves
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      line.beforePx += adjusted[i].beforePx / double(views_.size());
+      line.afterPx += adjusted[i].afterPx / double(views_.size());
+      const PinholeView before(views_[i].camera), after(adjusted[i].camera);
+      for (std::size_t v = 0; v < n; ++v)
+        if (const auto from = before.seen(mesh.positions[v]), to = after.seen(mesh.positions[v]); from && to)
+          shifts[i * n + v] = glm::vec2(to->pixel - from->pixel);
+      views_[i].camera = adjusted[i].camera;
+    }
+    // What the cameras now explain is no longer the shape's.
+    const std::vector<glm::vec2> explained = consistentComplements(mesh, views_, members_, shifts);
+    for (std::size_t k = 0; k < matches_.size(); ++k) matches_[k].displacement -= explained[k];
+  }
+
+  void reshape(TriangleMesh& mesh, HtmReport::Adjustment& line) const {
     TriangleMesh moved = displaced(mesh, normalDisplacements(mesh, views_, members_, matches_,
                                                              {options_.shapeSmoothness, options_.outlierPx}));
-    double sum = 0;
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) sum += glm::distance(moved.positions[v], mesh.positions[v]);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+      line.moved += glm::distance(moved.positions[v], mesh.positions[v]) / double(mesh.positions.size());
     mesh = std::move(moved);
-    return sum / double(std::max<std::size_t>(1, mesh.positions.size()));
   }
 
   void match(const TriangleMesh& mesh) {
