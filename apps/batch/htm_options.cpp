@@ -44,6 +44,9 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   app.add_flag_callback(
       "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Faces that are partly hidden are not divided for that");
   app.add_flag_callback("--no-reject", [&o] { o.reject = false; }, "Cameras that do not agree take part all the same");
+  addDouble(app, "--reject-difference", o.rejectDifference, 0, 255,
+            "Levels beyond which two cameras do not agree on a vertex, unless …");
+  addDouble(app, "--reject-correlation", o.rejectCorrelation, -1, 1, "… their colours are correlated by so much");
   addDouble(app, "--alpha", o.alpha, 0, 1, "Eq. 2: what facing a face counts against its size");
   addDouble(app, "--gamma1", o.gamma1, 1e-6, 1e6, "Eq. 3: how much facing counts");
   addDouble(app, "--soft", o.softPx, 1e-3, 1e3, "px over which a picture fades at edges of the object");

@@ -33,7 +33,7 @@ struct HtmOptions {
   double radius = 16;       // px that are searched around each vertex, …
   double laterRadius = 6;   // … and where cameras are adjusted or an earlier round has said where
   double leastTexture = 2;  // levels per px: less in a direction, and nothing is displaced in it
-  double smoothness = 1;    // 1 / px², of complements between neighbours (author/htm_complements.h); 0: as matched
+  double smoothness = 10;   // 1 / px², of complements between neighbours (author/htm_complements.h); 0: as matched
   double outlierPx = 2;
   double alpha = 0.3, gamma1 = 10;  // of eqs 2 and 3
   // Algs 2, 6 and 7
@@ -45,8 +45,8 @@ struct HtmOptions {
   std::size_t mostFaces = 20000;  // no further round begins beyond it
   // Cameras that do not agree on a vertex have no part in it (author/htm_reject.h).
   bool reject = true;
-  double rejectDifference = 30;    // levels, [H] eq. 1
-  double rejectCorrelation = 0.5;  // below it
+  double rejectDifference = 45;    // levels, [H] eq. 1
+  double rejectCorrelation = 0.2;  // below it
   double softPx = 4;               // over which visibility falls at edges
   bool keepSource = true;          // the mesh as it was given, for methods to compare with
   MakeTemplateSearch search;       // who matches templates; none: the processor

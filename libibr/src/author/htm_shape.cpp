@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <opencv2/imgproc.hpp>
 
+#include "author/cv_view.h"
 #include "author/htm_adjacency.h"
 #include "author/htm_trust.h"
 
@@ -63,6 +66,50 @@ std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<con
   return claims;
 }
 
+// Signed distance to the mask's border, px, negative inside; empty without a mask.
+cv::Mat distanceToBorder(const Image8& mask) {
+  if (mask.empty()) return {};
+  cv::Mat object, background, inside, outside;
+  cv::threshold(cvView(mask), object, 127, 255, cv::THRESH_BINARY);
+  cv::bitwise_not(object, background);
+  if (cv::countNonZero(object) == 0 || cv::countNonZero(background) == 0) return {};
+  cv::distanceTransform(object, inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(background, outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return outside - inside;
+}
+
+// Adds what outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near.
+void addOutlines(const TriangleMesh& mesh, const HtmView& view, std::vector<std::vector<Claim>>& claims) {
+  constexpr double kFarthest = 12, kWorth = 40;  // px; 1 / px²
+  const cv::Mat distance = distanceToBorder(view.mask);
+  if (distance.empty()) return;
+  const PinholeView pinhole(view.camera);
+  const MeshRaster raster = rasterised(mesh, view.camera);
+  const std::vector<glm::dvec3> normals = vertexNormals(mesh);
+  std::vector<int> sides(mesh.positions.size(), 0);  // bit 0: a face at it is seen from the front, bit 1: from the back
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3& a = mesh.positions[t.x];
+    const glm::dvec3 normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+    for (int k = 0; k < 3; ++k) sides[t[k]] |= glm::dot(normal, pinhole.centre() - a) > 0 ? 1 : 2;
+  }
+  for (std::size_t v = 0; v < sides.size(); ++v) {
+    const auto here = sides[v] == 3 ? pinhole.seen(mesh.positions[v]) : std::nullopt;
+    if (!here || !raster.shows(here->pixel, here->depth, 5e-3)) continue;
+    const glm::dvec2 p = glm::clamp(here->pixel, glm::dvec2(-1), glm::dvec2(distance.cols, distance.rows));
+    const int x = int(std::floor(p.x)), y = int(std::floor(p.y));
+    if (x < 4 || y < 4 || x >= distance.cols - 4 || y >= distance.rows - 4) continue;  // cut by the picture's border
+    const double off = distance.at<float>(y, x);
+    glm::dvec2 outwards(distance.at<float>(y, x + 2) - distance.at<float>(y, x - 2),
+                        distance.at<float>(y + 2, x) - distance.at<float>(y - 2, x));
+    const double length = glm::length(outwards), step = 1e-4 * here->depth;
+    const auto moved = pinhole.seen(mesh.positions[v] + normals[v] * step);
+    if (std::abs(off) > kFarthest || !(length > 0) || !moved) continue;
+    outwards /= length;
+    claims[v].push_back({(moved->pixel - here->pixel) / step, -off * outwards,
+                         kWorth * glm::dvec3(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y)});
+  }
+}
+
 }  // namespace
 
 std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<const HtmView> views,
@@ -71,7 +118,8 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
   constexpr int kSweeps = 100;
   const std::size_t n = mesh.positions.size();
   const Lists neighbours = neighboursOfVertices(mesh);
-  const std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, matches);
+  std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, matches);
+  for (const HtmView& view : views) addOutlines(mesh, view, claims);
   std::vector<double> scale(n, 0), displacement(n, 0);  // scale: px² per unit²
   double typical = 0, known = 0;
   for (std::size_t v = 0; v < n; ++v) {

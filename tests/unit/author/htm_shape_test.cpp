@@ -89,6 +89,33 @@ TEST_CASE("Cameras that look along the surface do not count") {
   for (const double moved : wall.found()) CHECK(moved == 0);
 }
 
+TEST_CASE("Outlines are drawn to the masks' borders") {
+  const TriangleMesh truly = test::sphere(24);
+  const double size = GENERATE(0.96, 1.04);
+  TriangleMesh said = truly;
+  for (glm::dvec3& p : said.positions) p *= size;
+  std::vector<HtmView> views;
+  for (const glm::dvec3& from : {glm::dvec3(6, 0.5, 0), {-5, 1, 4}, {0.5, 1, -6}, {0.3, 6, 0.2}, {2, -5, 2}}) {
+    views.push_back(test::plainView(test::lookingAt(from, {0, 0, 0}, 200, 200, 0.6)));
+    const MeshRaster seen = rasterised(truly, views.back().camera);
+    views.back().mask = Image8(200, 200, 1);
+    for (std::size_t p = 0; p < seen.face.values.size(); ++p)
+      views.back().mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
+  }
+  const std::vector<CameraSet> members(said.positions.size(), 0);
+  const std::vector<VertexMatch> matches(views.size() * views.size() * said.positions.size());
+  const auto mean = [&] {
+    double sum = 0;
+    for (const double moved : normalDisplacements(said, views, members, matches, {1, 2})) sum += moved;
+    return sum / double(said.positions.size());
+  };
+  CHECK(mean() == Approx(1 - size).margin(0.015));
+  for (HtmView& view : views) view.mask = {};
+  CHECK(mean() == 0);
+  for (HtmView& view : views) view.mask = Image8(200, 200, 1, 255);
+  CHECK(mean() == 0);
+}
+
 TEST_CASE("Vertices move along their normals, but no face is turned over") {
   const TriangleMesh grid = test::flatGrid(4);
   std::vector<double> by(grid.positions.size(), 0.25);
