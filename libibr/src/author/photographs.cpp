@@ -115,7 +115,7 @@ Image8 storePicture(const Photograph& photo, const fs::path& folder) {
   const fs::path image = folder / photo.imageFile;
   std::error_code ignored;
   check(photo.copied || !fs::equivalent(photo.source, image, ignored), ErrorCode::invalidInput,
-        "{}: this photograph would be overwritten; name another folder for the output", photo.source.string());
+        "{}: the output would overwrite this photograph; name another folder for it", photo.source.string());
   makeFolders(image.parent_path());
   Image8 picture = loadPhotograph(photo);
   if (photo.copied)
