@@ -8,7 +8,7 @@
 // count though they may not see the point.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "shared/htm.h"
+#include "htm/htm_project.glsl"
 #include "htm/htm_blend.glsl"
 #include "htm/htm_encode.glsl"
 
@@ -17,19 +17,8 @@ layout(constant_id = 1) const bool kDisplaced = true;  // HtmMethod::harmonised
 layout(set = 0, binding = kBindingHtmTriangles, scalar) readonly buffer Triangles {
   uvec3 triangles[];
 };
-layout(set = 0, binding = kBindingHtmRanked, scalar) readonly buffer Ranked {
-  uvec2 ranked[];
-};
-layout(set = 0, binding = kBindingHtmCameras, scalar) readonly buffer Cameras {
-  HtmCameraParameters cameras[];
-};
 layout(set = 0, binding = kBindingHtmDisplacements, scalar) readonly buffer Displacements {
   vec2 displacements[];
-};
-layout(set = 0, binding = kBindingHtmPhotographs) uniform sampler2DArray photographs;
-layout(set = 0, binding = kBindingHtmDepths) uniform sampler2DArray depths;
-layout(push_constant, scalar) uniform Frame {
-  HtmFrame frame;
 };
 
 layout(location = 0) in vec3 inPosition;
@@ -47,26 +36,18 @@ void main() {
   bool settled = false;
   for (uvec2 left = members0 | members1 | members2; htmAny(left) && !settled; left = htmWithoutFirst(left)) {
     const uint k = htmFirst(left);
-    const uint camera = cameras[k].camera;
-    const float depth = dot(cameras[k].depthOf, position);
-    const float inFront = max(depth, 0.5 * cameras[k].nearDistance);  // nothing of the mesh lies between them
-    const vec2 projected = vec2(dot(cameras[k].column, position), dot(cameras[k].row, position)) / inFront;
-    vec2 at = projected;
+    const HtmProjected projected = htmProject(k, position);
+    vec2 at = projected.at;
     if (kDisplaced) {
       const uint first = k * frame.vertexCount;
       at += share.x * displacements[first + corner.x] + share.y * displacements[first + corner.y] +
             share.z * displacements[first + corner.z];
     }
-    // To its last half pixel a picture counts in full.
-    const vec2 border = 2.0 * min(at, cameras[k].size - at);
-    const float inside = depth == inFront ? clamp(min(border.x, border.y), 0.0, 1.0) : 0.0;
     const float takesPart = dot(share, vec3(htmHas(members0, k), htmHas(members1, k), htmHas(members2, k)));
-    const float level = log2(cameras[k].detail / (gl_FragCoord.w * inFront));
-    const vec4 read = textureLod(photographs, vec3(at * texel, camera), level);
-    const float nearest = 1.0 / max(textureLod(depths, vec3(projected * texel, camera), 0.0).r, 1e-30);
-    const float tolerance = frame.depthTolerance + depth * cameras[k].texelWidth;
-    const float inView = clamp(2.0 - (depth - nearest) / tolerance, 0.0, 1.0);
-    const float counts = clamp(takesPart, 0.0, 1.0) * inside;
+    const float level = log2(cameras[k].detail / (gl_FragCoord.w * projected.inFront));
+    const vec4 read = textureLod(photographs, vec3(at * texel, cameras[k].camera), level);
+    const float counts = clamp(takesPart, 0.0, 1.0) * htmInside(k, projected, at);
+    const float inView = htmInView(k, projected, texel);
     htmAdd(seen, cameras[k].log2Weight, counts * inView * read.a, read.rgb);
     htmAdd(hidden, cameras[k].log2Weight, counts, read.rgb);
     settled = htmSettled(seen, cameras[k].log2Rest, frame.cut);

@@ -23,6 +23,18 @@ struct Blend {
   bool settled(double logRest, double cut) const { return sum.w > 0 && std::exp(logRest - reference) <= cut * sum.w; }
 };
 
+// Of the cameras that see a point, and of all that take part there, to be used where none sees it.
+struct Shown {
+  Blend seen, hidden;
+
+  void add(double logWeight, double counts, double visible, const glm::dvec4& read) {
+    seen.add(logWeight, counts * visible * read.a, glm::dvec3(read));
+    hidden.add(logWeight, counts, glm::dvec3(read));
+  }
+  glm::dvec4 sum() const { return seen.sum.w > 0 ? seen.sum : hidden.sum; }
+  bool isClear() const { return !(seen.sum.w > 0 && seen.sum.w < 0.1); }
+};
+
 bool has(CameraSet members, std::size_t camera) {
   return members >> camera & 1;
 }
@@ -76,6 +88,10 @@ std::vector<std::vector<SurfaceHit>> shiftedHits(const TriangleMesh& mesh, const
   return all;
 }
 
+double focal(const Intrinsics& k) {
+  return std::sqrt(k.fx * k.fy);
+}
+
 struct Source {
   Camera camera;
   std::vector<Image8> mips;
@@ -104,10 +120,44 @@ struct Source {
       }
     return sum;
   }
+  // How clearly it sees the point q in its frame, 0 to 1. isSafe becomes false where shifted pictures say otherwise.
+  double inView(const glm::dvec3& q, glm::dvec2 projected, double depthTolerance, bool& isSafe) const {
+    const double tolerance = depthTolerance - q.z / focal(camera.intrinsics);
+    const auto by = [&](std::size_t shift) {
+      const double behind = -q.z - 1 / std::max(nearest(projected, shift), 1e-30);
+      return std::clamp(2 - behind / tolerance, 0.0, 1.0);
+    };
+    for (std::size_t shift = 1; shift < hits.size(); ++shift) isSafe = isSafe && std::abs(by(shift) - by(0)) <= 0.02;
+    return by(0);
+  }
 };
 
-double focal(const Intrinsics& k) {
-  return std::sqrt(k.fx * k.fy);
+// HtmMethod::vertexColours: w 0 where a vertex has none.
+struct VertexColours {
+  std::vector<glm::dvec4> colour;
+  std::vector<bool> safe;
+};
+
+VertexColours vertexColours(const HtmModel& model, const std::vector<Source>& sources, const HtmFramePlan& plan,
+                            double tolerance) {
+  VertexColours all;
+  for (std::size_t v = 0; v < model.vertexCount(); ++v) {
+    Shown shown;
+    bool isSafe = true;
+    for (const PlannedHtmCamera& k : plan.cameras) {
+      const Source& source = sources[k.camera];
+      const glm::dvec3 q = source.toCamera(model.surface.mesh.positions[v]);
+      const auto at = project(source.camera.intrinsics, q);
+      const double counts = at && has(model.surface.members[v], k.camera) ? source.inside(*at) : 0;
+      if (counts > 0)
+        shown.add(k.logWeight, counts, source.inView(q, *at, tolerance, isSafe), sample(source.mips, *at, 0));
+      if (shown.seen.settled(k.logRest, plan.settings.weightCut)) break;
+    }
+    const glm::dvec4 sum = shown.sum();
+    all.colour.push_back(sum.w > 0 ? sum / sum.w : glm::dvec4(0));
+    all.safe.push_back(isSafe && shown.isClear());
+  }
+  return all;
 }
 
 }  // namespace
@@ -142,19 +192,8 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
   const std::vector<std::vector<glm::dvec2>> displaced = harmonise(model, plan);
   const double tolerance = plan.settings.depthTolerance * plan.bounds.radius;
 
-  // Of HtmMethod::vertexColours.
-  std::vector<glm::dvec4> vertexColours(model.vertexCount(), glm::dvec4(0));
-  for (std::size_t v = 0; v < model.vertexCount(); ++v) {
-    Blend mean;
-    for (const PlannedHtmCamera& k : plan.cameras) {
-      const Source& source = sources[k.camera];
-      const auto at = project(source.camera.intrinsics, source.toCamera(model.surface.mesh.positions[v]));
-      const double share = at && has(model.surface.members[v], k.camera) ? source.inside(*at) : 0;
-      if (share > 0) mean.add(k.logWeight, share, glm::dvec3(sample(source.mips, *at, 0)));
-      if (mean.settled(k.logRest, plan.settings.weightCut)) break;
-    }
-    if (mean.sum.w > 0) vertexColours[v] = mean.sum / mean.sum.w;
-  }
+  VertexColours coloured;
+  if (plan.settings.method == HtmMethod::vertexColours) coloured = vertexColours(model, sources, plan, tolerance);
 
   HtmTwin twin;
   twin.width = plan.view.intrinsics.width;
@@ -165,24 +204,27 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
     const SurfaceHit& hit = hits[0][pixel];
     bool safe = true;
     for (const std::vector<SurfaceHit>& shifted : hits) safe = safe && shifted[pixel].triangle == hit.triangle;
-    twin.safe.push_back(safe);
     if (hit.triangle < 0) {
+      twin.safe.push_back(safe);
       twin.colour.push_back(background);
       continue;
     }
     const glm::uvec3 corner = model.surface.mesh.triangles[std::size_t(hit.triangle)];
     const glm::dvec3 point = pointOf(model.surface.mesh, hit);
-    Blend seen, hidden;
+    glm::dvec4 sum(0.0);
     if (plan.settings.method == HtmMethod::vertexColours) {
-      for (int c = 0; c < 3; ++c) seen.sum += hit.share[c] * vertexColours[corner[c]];
+      for (int c = 0; c < 3; ++c) {
+        sum += hit.share[c] * coloured.colour[corner[c]];
+        safe = safe && coloured.safe[corner[c]];
+      }
+      safe = safe && !(sum.w > 0 && sum.w < 0.1);
     } else {
+      Shown shown;
       for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
         const PlannedHtmCamera& planned = plan.cameras[k];
         const Source& source = sources[planned.camera];
         const glm::dvec3 q = source.toCamera(point);
         const auto projected = project(source.camera.intrinsics, q);
-        double counts = 0, inView = 0;
-        glm::dvec4 read(0);
         if (projected) {
           glm::dvec2 at = *projected;
           double takesPart = 0;
@@ -190,24 +232,18 @@ HtmTwin render(const HtmModel& model, const std::vector<HtmPicture>& pictures, c
             at += hit.share[c] * displaced[k][corner[c]];
             takesPart += hit.share[c] * has(model.surface.members[corner[c]], planned.camera);
           }
-          counts = takesPart * source.inside(at);
+          const double counts = takesPart * source.inside(at);
           const double detail = focal(source.camera.intrinsics) / focal(plan.view.intrinsics);
-          read = sample(source.mips, at, std::log2(detail / (hit.inverseDepth * -q.z)));
-          for (std::size_t shift = source.hits.size(); shift-- > 0;) {
-            const double behind = -q.z - 1 / std::max(source.nearest(*projected, shift), 1e-30);
-            const double before = inView;
-            inView = std::clamp(2 - behind / (tolerance - q.z / focal(source.camera.intrinsics)), 0.0, 1.0);
-            if (shift + 1 < source.hits.size() && counts > 0 && std::abs(inView - before) > 0.02)
-              twin.safe.back() = false;
-          }
+          if (counts > 0)
+            shown.add(planned.logWeight, counts, source.inView(q, *projected, tolerance, safe),
+                      sample(source.mips, at, std::log2(detail / (hit.inverseDepth * -q.z))));
         }
-        seen.add(planned.logWeight, counts * inView * read.a, glm::dvec3(read));
-        hidden.add(planned.logWeight, counts, glm::dvec3(read));
-        if (seen.settled(planned.logRest, plan.settings.weightCut)) break;
+        if (shown.seen.settled(planned.logRest, plan.settings.weightCut)) break;
       }
+      safe = safe && shown.isClear();
+      sum = shown.sum();
     }
-    if (seen.sum.w > 0 && seen.sum.w < 0.1) twin.safe.back() = false;
-    const glm::dvec4 sum = seen.sum.w > 0 ? seen.sum : hidden.sum;
+    twin.safe.push_back(safe);
     twin.colour.push_back(sum.w > 0 ? sum / sum.w : background);
   }
   return twin;

@@ -179,9 +179,11 @@ TEST_CASE("where no camera sees a point, those that take part show it", "[htm]")
   for (HtmPicture& picture : bumpy.pictures) picture.visibility = {};
   const HtmStage all(bumpy);
   const Camera view = ringCamera({}, 0.4);
-  const HtmSettings deep{.depthTolerance = 100};
-  CHECK(largestDifference(blind.render(view), all.render(view, deep)) <= 1);
-  CHECK(coveredShare(blind.render(view)) > 0.15);
+  for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::vertexColours}) {
+    const HtmSettings deep{.method = method, .depthTolerance = 100};
+    CHECK(largestDifference(blind.render(view, {.method = method}), all.render(view, deep)) <= 1);
+    CHECK(coveredShare(blind.render(view, {.method = method})) > 0.15);
+  }
 }
 
 TEST_CASE("extremes of models are drawn", "[htm]") {

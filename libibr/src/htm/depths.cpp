@@ -14,6 +14,9 @@
 namespace ibr {
 namespace {
 
+constexpr ImageUse kRead{use::kSampled.layout, use::kSampled.stages | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                         use::kSampled.access};
+
 ImageViewHandle layerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
   const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                    .image = image.get(),
@@ -93,7 +96,7 @@ void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
       vkCmdEndRendering(commands);
       transition(commands, nearest.get(), use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
     }
-    transition(commands, model.depths.get(), use::kColourAttachment, use::kSampled);
+    transition(commands, model.depths.get(), use::kColourAttachment, kRead);
   });
 }
 
