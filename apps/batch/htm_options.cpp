@@ -9,19 +9,18 @@ namespace ibr::app {
 namespace {
 
 void declareHtmOptions(CLI::App& app, HtmOptions& o) {
-  app.add_option_function<std::string>(
-         "--faces",
-         [&o](const std::string& text) { o.faces = std::size_t(parsedInt("--faces", text, 0, 100000000)); },
-         "The mesh is reduced until its mean face is the surface divided by this; 0: not by shape [5000]")
-      ->type_name("N");
+  addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000,
+                        "The mesh is reduced until its mean face is the surface divided by this; 0: not by shape");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
          "Rounds in which cameras and shape settle on what pictures agree on; 0: as they are given, the paper's way");
-  app.add_flag_callback("--keep-shape", [&o] { o.reshape = false; }, "Vertices stay where they are in these rounds");
+  app.add_flag_callback(
+      "--keep-shape", [&o] { o.reshape = false; }, "Vertices stay where they are in these rounds");
   addChoice<TemplateMeasure>(
       app, "--measure", o.measure,
       {{"sad", TemplateMeasure::absoluteDifferences}, {"ncc", TemplateMeasure::correlation}},
       "How textures are compared: mean absolute differences, or correlation, which light does not change [sad]");
-  addDouble(app, "--radius", o.radius, 1, 2 * kLargestTemplateRadius, "px that are searched around each vertex at first");
+  addDouble(app, "--radius", o.radius, 1, 2 * kLargestTemplateRadius,
+            "px that are searched around each vertex at first");
   addDouble(app, "--later-radius", o.laterRadius, 1, 2 * kLargestTemplateRadius, "px that are searched from then on");
   addDouble(app, "--least-texture", o.leastTexture, 0, 255,
             "Levels per px: directions in which colours change less are not matched");
@@ -36,14 +35,11 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   addDouble(app, "--mean-difference", o.meanDifference, 0, 255, "Levels of D_f on average at which dividing ends");
   addDouble(app, "--face-difference", o.faceDifference, 0, 255, "Levels of D_f from which a face is divided");
   addDouble(app, "--least-face", o.leastFacePx, 0, 1e12, "px^2 in its best camera: smaller faces are not divided");
-  app.add_option_function<std::string>(
-         "--most-faces",
-         [&o](const std::string& text) { o.mostFaces = std::size_t(parsedInt("--most-faces", text, 1, 100000000)); },
-         "No further round begins beyond so many faces [20000]")
-      ->type_name("N");
+  addCount<std::size_t>(app, "--most-faces", o.mostFaces, 1, 100000000, "No further round begins beyond so many faces");
   app.add_flag_callback(
       "--no-self-occluded", [&o] { o.selfOccluded = false; }, "Faces that are partly hidden are not divided for that");
-  app.add_flag_callback("--no-reject", [&o] { o.reject = false; }, "Cameras that do not agree take part all the same");
+  app.add_flag_callback(
+      "--no-reject", [&o] { o.reject = false; }, "Cameras that do not agree take part all the same");
   addDouble(app, "--reject-difference", o.rejectDifference, 0, 255,
             "Levels beyond which two cameras do not agree on a vertex, unless …");
   addDouble(app, "--reject-correlation", o.rejectCorrelation, -1, 1, "… their colours are correlated by so much");

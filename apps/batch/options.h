@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 #include <set>
@@ -19,6 +20,15 @@ double parsedDouble(const std::string& option, const std::string& text, double l
 
 CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,
                     const std::string& description);
+/// The description's end tells the default.
+template <std::unsigned_integral T>
+CLI::Option* addCount(CLI::App& app, const std::string& name, T& value, T low, T high, const std::string& description) {
+  return app
+      .add_option_function<std::string>(
+          name, [name, &value, low, high](const std::string& text) { value = T(parsedInt(name, text, low, high)); },
+          description + " [" + std::to_string(value) + "]")
+      ->type_name("N");
+}
 CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, double low, double high,
                        const std::string& description);
 

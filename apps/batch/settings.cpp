@@ -12,17 +12,6 @@ namespace {
 constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
                               std::pair{"accurate", Preset::accurate}, std::pair{"reference", Preset::reference}};
 
-void addCount(CLI::App& app, const std::string& name, std::uint32_t& value, std::uint32_t low, std::uint32_t high,
-              const std::string& description) {
-  app.add_option_function<std::string>(
-         name,
-         [name, &value, low, high](const std::string& text) {
-           value = std::uint32_t(parsedInt(name, text, low, high));
-         },
-         fmt::format("{} [{}]", description, value))
-      ->type_name("N");
-}
-
 }  // namespace
 
 void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
@@ -53,7 +42,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
             "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
   addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
             "Draw cells in a picture whose sides are X of the result's, and scale it");
-  addCount(app, "--backdrops", settings.maxBackdrops, 0, kLargestBackdropCount, "Draw at most N backdrops");
+  addCount<std::uint32_t>(app, "--backdrops", settings.maxBackdrops, 0, kLargestBackdropCount,
+                          "Draw at most N backdrops");
   addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
                   "Two views: one colour table for both, or each its own [shared]");
   addChoice<ColourTable>(
@@ -68,7 +58,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
 
 void declareSettings(CLI::App& app, RenderSettings& settings) {
   declarePictureSettings(app, settings);
-  addCount(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
+  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
   addChoice<ColourMapping>(

@@ -97,7 +97,8 @@ struct HtmResult {
   HtmModel model;                  // cameras as they were given, but for what was adjusted
   std::vector<Image8> visibility;  // one a camera, for HtmCamera::visibilityFile
   HtmReport report;
-  /// The meshes of [H] fig. 9: original, reduced by shape, reduced by texture, refined; each face with its D_f.
+  /// The meshes of [H] fig. 9: original, reduced by shape (and settled with the cameras, where these are adjusted),
+  /// reduced by texture, refined; each face with its D_f. D_f of the original is that of the cameras as given.
   struct Stage {
     std::string name;
     TriangleMesh mesh;
@@ -110,7 +111,7 @@ struct HtmResult {
 /// pictures of more than 32767 px a side, a mesh that no camera sees or that is not finite or whose indices are out of
 /// range), cancelled, and what the search throws.
 HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> photographs, const HtmOptions& options,
-                    const ProgressCallback& progress = {}, const LogCallback& log = {});
+                    const ProgressCallback& progress = {});
 
 struct HtmBuildOptions {
   std::filesystem::path mesh;    // PLY, OBJ or glTF, in the model's world
@@ -128,7 +129,8 @@ struct HtmBuildOptions {
 std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
                                                                  const LogCallback& log = {});
 
-/// Builds a model's folder: readHtmInput, harmonise, saved. Throws Error; what was there before is then as it was.
+/// Builds a model's folder: readHtmInput, harmonise, saved. Throws Error. The folder is untouched until the model is
+/// computed; where writing it fails (Error{io}), pictures may be new and the model still the one before.
 HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 }  // namespace ibr

@@ -14,7 +14,7 @@
 namespace ibr {
 
 struct ComplementOptions {
-  double smoothness = 1;  // 1 / px²: inverse variance of the difference between neighbours, >= 0
+  double smoothness = 10;  // 1 / px²: inverse variance of the difference between neighbours, >= 0
   double outlierPx = 2;   // a match further than this from what is around it loses its weight (Geman and McClure 1987)
   int threads = 0;
 };

@@ -16,7 +16,7 @@
 namespace ibr {
 
 struct ConsensusOptions {
-  double smoothness = 1;   // 1 / px²: inverse variance of an offset's difference between neighbours
+  double smoothness = 100;  // 1 / px²: inverse variance of an offset's difference between neighbours
   double offsetPx = 4;     // standard deviation that offsets have before anything is matched
   double outlierPx = 2;    // a match further off than this loses its weight (Geman and McClure 1987)
   int sweeps = 120;

@@ -89,10 +89,12 @@ std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildO
 }
 
 HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+  checkFolderWritable(options.output);
   Input input = readInput(options, log);
+  for (const Photograph& file : input.files) checkNotOverwritten(file, options.output);
   for (HtmPhotograph& photograph : input.photographs)
     photograph.camera.visibilityFile = fs::path("visibility") / (photograph.camera.name + ".png");
-  HtmResult result = harmonise(input.mesh, input.photographs, options.optimise, progress, log);
+  HtmResult result = harmonise(input.mesh, input.photographs, options.optimise, progress);
   for (std::size_t i = 0; i < input.files.size(); ++i) {
     storePicture(input.files[i], options.output);
     const fs::path file = options.output / result.model.cameras[i].visibilityFile;

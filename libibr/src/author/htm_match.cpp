@@ -17,19 +17,17 @@ constexpr double kLeastShare = 0.4;          // of a segment that the other came
 
 // One scale of the search.
 struct Level {
-  std::vector<ProjectedMesh> views;
+  Level(std::span<const ProjectedMesh> projected, double ofFullSize, const MakeTemplateSearch& makeSearch)
+      : views(projected), scale(ofFullSize) {
+    std::vector<const Image8*> pictures;
+    for (const ProjectedMesh& view : views) pictures.push_back(&view.picture);
+    search = makeSearch(pictures);
+  }
+
+  std::span<const ProjectedMesh> views;
   TemplateSearch search;
   double scale;  // px of it in one of the full size
 };
-
-Level levelOf(const TriangleMesh& mesh, std::span<const HtmView> views, int halvings,
-              const MakeTemplateSearch& makeSearch) {
-  Level level{projectedMeshes(mesh, views, halvings), {}, std::pow(0.5, halvings)};
-  std::vector<const Image8*> pictures;
-  for (const ProjectedMesh& view : level.views) pictures.push_back(&view.picture);
-  level.search = makeSearch(pictures);
-  return level;
-}
 
 struct Templates {
   std::vector<TemplateSample> samples;
@@ -103,12 +101,13 @@ class CameraMatcher {
 }  // namespace
 
 std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const HtmView> views,
-                                       std::span<const CameraSet> members, std::span<const glm::vec2> start,
-                                       const VertexMatchOptions& options, const MakeTemplateSearch& makeSearch,
-                                       const ProgressCallback& progress) {
+                                       std::span<const ProjectedMesh> projected, std::span<const CameraSet> members,
+                                       std::span<const glm::vec2> start, const VertexMatchOptions& options,
+                                       const MakeTemplateSearch& makeSearch, const ProgressCallback& progress) {
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const Lists faces = facesAtVertices(mesh);
-  const Level coarse = levelOf(mesh, views, 1, makeSearch), fine = levelOf(mesh, views, 0, makeSearch);
+  const std::vector<ProjectedMesh> halved = projectedMeshes(mesh, views, 1);
+  const Level coarse(halved, 0.5, makeSearch), fine(projected, 1, makeSearch);
   const CameraMatcher matcher(mesh, faces, members, options, cameras);
   std::vector<VertexMatch> matches(cameras * cameras * n);
   const bool finished = runJobs(
@@ -120,7 +119,9 @@ std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const
         matcher.searchAt(coarse, i, options.radius, displacement);
         matcher.refineAt(fine, i, displacement, matches);
       },
-      [&](std::size_t done) { return !progress || progress({"matching vertices", done, cameras}); });
+      [&](std::size_t done) {
+        return !progress || progress({"matching vertices", done, cameras});
+      });
   check(finished, ErrorCode::cancelled, "stopped while vertices were matched");
   return matches;
 }

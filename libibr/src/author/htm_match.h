@@ -21,11 +21,12 @@ struct VertexMatchOptions {
   int threads = 0;
 };
 
-/// One at each complementIndex. `members`: the cameras that see each vertex. `start`: complements to search around, or
-/// empty. `progress` reports cameras. Throws Error{cancelled} and what the search throws.
+/// One at each complementIndex. `projected`: projectedMeshes of the mesh and the views at full size. `members`: the
+/// cameras that see each vertex. `start`: complements to search around, or empty. `progress` reports cameras. Throws
+/// Error{cancelled} and what the search throws.
 std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const HtmView> views,
-                                       std::span<const CameraSet> members, std::span<const glm::vec2> start,
-                                       const VertexMatchOptions& options, const MakeTemplateSearch& makeSearch,
-                                       const ProgressCallback& progress);
+                                       std::span<const ProjectedMesh> projected, std::span<const CameraSet> members,
+                                       std::span<const glm::vec2> start, const VertexMatchOptions& options,
+                                       const MakeTemplateSearch& makeSearch, const ProgressCallback& progress);
 
 }  // namespace ibr

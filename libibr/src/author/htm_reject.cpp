@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/htm_reject.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "author/bilinear.h"
+#include "author/htm_shape.h"
 #include "author/parallel.h"
 
 namespace ibr {
@@ -86,22 +89,35 @@ std::vector<Agreement> agreements(const TriangleMesh& mesh, std::span<const Proj
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const Lists faces = facesAtVertices(mesh);
   std::vector<Agreement> all(cameras * cameras * n);
-  runJobs(cameras, threadsFor(threads, 1e7),
-          [&](std::size_t i) {
-            const auto segments = segmentsOf(mesh, faces, views[i], segment, members, i);
-            for (std::size_t j = 0; j < cameras; ++j) {
-              if (j == i) continue;
-              Recoloured recoloured(views[i], views[j]);
-              for (std::size_t v = 0; v < n; ++v) {
-                if (!(members[v] >> i & 1) || !(members[v] >> j & 1)) continue;
-                const std::size_t k = (i * cameras + j) * n + v;
-                const glm::dvec2 complement = complements.empty() ? glm::dvec2(0) : glm::dvec2(complements[k]);
-                all[k] = compared(views[i].picture, recoloured.of(segments[v]), complement);
-              }
-            }
-          },
-          [](std::size_t) { return true; });
+  runJobs(
+      cameras, threadsFor(threads, 1e7),
+      [&](std::size_t i) {
+        const auto segments = segmentsOf(mesh, faces, views[i], segment, members, i);
+        for (std::size_t j = 0; j < cameras; ++j) {
+          if (j == i) continue;
+          Recoloured recoloured(views[i], views[j]);
+          for (std::size_t v = 0; v < n; ++v) {
+            if (!(members[v] >> i & 1) || !(members[v] >> j & 1)) continue;
+            const std::size_t k = (i * cameras + j) * n + v;
+            const glm::dvec2 complement = complements.empty() ? glm::dvec2(0) : glm::dvec2(complements[k]);
+            all[k] = compared(views[i].picture, recoloured.of(segments[v]), complement);
+          }
+        }
+      },
+      [](std::size_t) { return true; });
   return all;
+}
+
+std::vector<float> facingScores(const TriangleMesh& mesh, std::span<const ProjectedMesh> views) {
+  const std::vector<glm::dvec3> normal = vertexNormals(mesh);
+  std::vector<float> scores;
+  for (const ProjectedMesh& view : views)
+    for (std::size_t v = 0; v < normal.size(); ++v) {
+      const glm::dvec3 towards = view.view.centre() - mesh.positions[v];
+      const double lengths = glm::length(normal[v]) * glm::length(towards);
+      scores.push_back(lengths > 0 ? float(std::max(0.0, glm::dot(normal[v], towards) / lengths)) : 0.0f);
+    }
+  return scores;
 }
 
 std::vector<CameraSet> agreeingMembers(std::size_t cameras, std::span<const CameraSet> members,

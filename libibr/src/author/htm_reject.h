@@ -12,10 +12,9 @@
 namespace ibr {
 
 struct RejectOptions {
-  double mostDifference = 30;   // [H] eq. 1 at the complement, levels: beyond it two cameras do not agree, …
-  double leastCorrelation = 0.5;  // … unless their colours go up and down together
+  double mostDifference = 45;     // [H] eq. 1 at the complement, levels: beyond it two cameras do not agree, …
+  double leastCorrelation = 0.2;  // … unless their colours go up and down together
   SegmentOptions segment;
-  int threads = 0;
 };
 
 /// How two cameras compare at a vertex, where the complement says.
@@ -30,9 +29,13 @@ std::vector<Agreement> agreements(const TriangleMesh& mesh, std::span<const Proj
                                   std::span<const CameraSet> members, std::span<const glm::vec2> complements,
                                   const SegmentOptions& segment, int threads);
 
-/// The members that remain: for each vertex the largest set of cameras of which each two agree, both ways where both are
-/// known; pairs that are not known do not disagree. Of several largest the one whose scores sum to the most. `scores`:
-/// n_c × n_v, what each camera's view of a vertex is worth.
+/// How much each camera looks at each vertex from its front: the cosine between the vertex's normal and the direction
+/// to the camera, 0 where it is negative or there is none; n_c × n_v.
+std::vector<float> facingScores(const TriangleMesh& mesh, std::span<const ProjectedMesh> views);
+
+/// The members that remain: for each vertex the largest set of cameras of which each two agree, both ways where both
+/// are known; pairs that are not known do not disagree. Of several largest the one whose scores sum to the most.
+/// `scores`: n_c × n_v, what each camera's view of a vertex is worth.
 std::vector<CameraSet> agreeingMembers(std::size_t cameras, std::span<const CameraSet> members,
                                        std::span<const Agreement> agreements, std::span<const float> scores,
                                        const RejectOptions& options);

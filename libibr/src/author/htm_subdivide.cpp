@@ -94,4 +94,18 @@ SubdividedMesh subdivideFaces(const TriangleMesh& mesh, std::span<const std::uin
   return result;
 }
 
+std::vector<glm::vec2> dividedComplements(std::span<const glm::vec2> complements, std::size_t cameras,
+                                          std::size_t before, std::span<const glm::uvec2> parents) {
+  if (complements.empty()) return {};
+  const std::size_t after = before + parents.size();
+  std::vector<glm::vec2> divided;
+  divided.reserve(cameras * cameras * after);
+  for (std::size_t pair = 0; pair < cameras * cameras; ++pair) {
+    const auto old = complements.subspan(pair * before, before);
+    divided.insert(divided.end(), old.begin(), old.end());
+    for (const glm::uvec2 ends : parents) divided.push_back(0.5f * (old[ends.x] + old[ends.y]));
+  }
+  return divided;
+}
+
 }  // namespace ibr

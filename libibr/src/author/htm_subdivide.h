@@ -3,6 +3,7 @@
 // stays one.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <span>
@@ -23,5 +24,10 @@ struct SubdividedMesh {
 /// also where more than two meet. `chosen`: for each face, whether. Throws Error{invalidInput} where its length or an
 /// index is wrong, or there would be too many vertices.
 SubdividedMesh subdivideFaces(const TriangleMesh& mesh, std::span<const std::uint8_t> chosen);
+
+/// Complements (or anything else at complementIndex) of the divided mesh: those of its `before` first vertices as they
+/// are, of further ones the mean of their parents'. May be empty, and is then.
+std::vector<glm::vec2> dividedComplements(std::span<const glm::vec2> complements, std::size_t cameras,
+                                          std::size_t before, std::span<const glm::uvec2> parents);
 
 }  // namespace ibr

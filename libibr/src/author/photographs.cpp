@@ -111,11 +111,15 @@ double bytesToStore(const Photograph& photo) {
   return kBytesPerPixel * std::max(photo.sourcePixels, whole) + (photo.lens ? 3 * photo.sourcePixels : 0);
 }
 
+void checkNotOverwritten(const Photograph& photo, const fs::path& folder) {
+  std::error_code ignored;
+  check(photo.copied || !fs::equivalent(photo.source, folder / photo.imageFile, ignored), ErrorCode::invalidInput,
+        "{}: the output would overwrite this photograph; name another folder for it", photo.source.string());
+}
+
 Image8 storePicture(const Photograph& photo, const fs::path& folder) {
   const fs::path image = folder / photo.imageFile;
-  std::error_code ignored;
-  check(photo.copied || !fs::equivalent(photo.source, image, ignored), ErrorCode::invalidInput,
-        "{}: the output would overwrite this photograph; name another folder for it", photo.source.string());
+  checkNotOverwritten(photo, folder);
   makeFolders(image.parent_path());
   Image8 picture = loadPhotograph(photo);
   if (photo.copied)

@@ -53,7 +53,10 @@ double bytesToLoad(const Photograph& photograph);
 /// The memory that storePhotograph takes, about.
 double bytesToStore(const Photograph& photograph);
 
-/// Writes the picture below `folder`, and gives it back.
+/// Throws Error{invalidInput} where storePicture below `folder` would overwrite the photograph itself.
+void checkNotOverwritten(const Photograph& photograph, const std::filesystem::path& folder);
+
+/// Writes the picture below `folder`, and gives it back. Throws as checkNotOverwritten does, and Error{io}.
 Image8 storePicture(const Photograph& photograph, const std::filesystem::path& folder);
 
 /// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of

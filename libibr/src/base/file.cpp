@@ -116,6 +116,17 @@ void makeFolders(const fs::path& folder) {
   check(!error, ErrorCode::io, "{}: cannot be made: {}", folder.string(), error.message());
 }
 
+void checkFolderWritable(const fs::path& folder) {
+  std::error_code ignored;
+  fs::path there = fs::absolute(folder);
+  while (!fs::exists(there, ignored) && there.has_parent_path() && there != there.parent_path())
+    there = there.parent_path();
+  check(fs::is_directory(there, ignored), ErrorCode::io, "{}: cannot be made: {} is no folder", folder.string(),
+        there.string());
+  check(::access(there.c_str(), W_OK) == 0, ErrorCode::io, "{}: cannot be written: {}", there.string(),
+        std::strerror(errno));
+}
+
 fs::path pathInside(const fs::path& folder, const fs::path& relative) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);

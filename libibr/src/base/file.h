@@ -27,6 +27,10 @@ void writeFile(const std::filesystem::path& path, std::string_view text);
 /// Makes a folder and those above it, where they are missing. Throws Error{io} that names it.
 void makeFolders(const std::filesystem::path& folder);
 
+/// Whether makeFolders(folder) and files in it may succeed, before long work: throws Error{io} that names the nearest
+/// path which is there and no folder, or may not be written. Makes nothing.
+void checkFolderWritable(const std::filesystem::path& folder);
+
 /// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..", links).
 /// The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);

@@ -167,6 +167,24 @@ TEST_CASE("What is missing or spoilt is named, and nothing is written") {
   }
 }
 
+TEST_CASE("An output that cannot be written is refused before anything is computed") {
+  Files files;
+  int steps = 0;
+  const auto refusal = [&] {
+    return test::errorOf([&] { buildHtm(files.options, [&](const Progress&) { return ++steps > 0; }); });
+  };
+  SECTION("for a file in its way") {
+    files.options.output = files.folder / "mesh.obj/model";
+    CHECK(refusal().code() == ErrorCode::io);
+  }
+  SECTION("for the photographs that it would replace") {
+    files.options.output = files.folder.path();
+    files.options.maxSize = 80;
+    CHECK_THAT(refusal().what(), Catch::Contains("overwrite"));
+  }
+  CHECK(steps == 0);
+}
+
 TEST_CASE("A model that is built can be read, whole, and a failure leaves it as it was") {
   Files files;
   const HtmResult result = buildHtm(files.options);

@@ -79,7 +79,12 @@ struct Wall {
     VertexMatchOptions options;
     options.measure = measure;
     options.threads = threads;
-    return matchVertices(mesh, views, members, start, options, processorTemplateSearch, {});
+    return matched(options, start);
+  }
+  std::vector<VertexMatch> matched(const VertexMatchOptions& options, std::span<const glm::vec2> start,
+                                   const ProgressCallback& progress = {}) const {
+    return matchVertices(mesh, views, projectedMeshes(mesh, views), members, start, options, processorTemplateSearch,
+                         progress);
   }
 };
 
@@ -217,7 +222,7 @@ TEST_CASE("A search goes around its start") {
   const auto truth = test::trueComplements(wall.mesh, wall.truly, wall.given);
   std::vector<glm::vec2> start = truth;
   for (glm::vec2& c : start) c = std::isnan(c.x) ? glm::vec2(0) : c + glm::vec2(1.5f, -1);
-  const auto matches = matchVertices(wall.mesh, wall.views, wall.members, start, options, processorTemplateSearch, {});
+  const auto matches = wall.matched(options, start);
   std::size_t known = 0;
   for (std::size_t k = 0; k < matches.size(); ++k)
     if (matches[k].information != glm::vec3(0) && !std::isnan(truth[k].x)) {
@@ -262,10 +267,8 @@ TEST_CASE("What has no texture, no members or no view has no match") {
 TEST_CASE("Matching ends when it is told to") {
   const Wall wall(bricks);
   VertexMatchOptions options;
-  CHECK(test::errorOf([&] {
-          matchVertices(wall.mesh, wall.views, wall.members, {}, options, processorTemplateSearch,
-                        [](const Progress&) { return false; });
-        }).code() == ErrorCode::cancelled);
+  CHECK(test::errorOf([&] { wall.matched(options, {}, [](const Progress&) { return false; }); }).code() ==
+        ErrorCode::cancelled);
 }
 
 }  // namespace ibr

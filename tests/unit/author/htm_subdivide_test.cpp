@@ -119,4 +119,19 @@ TEST_CASE("Meshes that are no manifolds, and wrong arguments") {
 }
 
 }  // namespace
+TEST_CASE("Complements of new vertices are the mean of their parents', pair by pair") {
+  std::vector<glm::vec2> complements;
+  for (int pair = 0; pair < 4; ++pair)
+    for (int v = 0; v < 3; ++v) complements.emplace_back(10 * pair + v, -v * v);
+  const std::vector<glm::uvec2> parents{{0, 1}, {1, 2}};
+  const auto divided = dividedComplements(complements, 2, 3, parents);
+  REQUIRE(divided.size() == 20);
+  for (int pair = 0; pair < 4; ++pair) {
+    for (int v = 0; v < 3; ++v) CHECK(divided[std::size_t(5 * pair + v)] == complements[std::size_t(3 * pair + v)]);
+    CHECK(divided[std::size_t(5 * pair + 3)] == glm::vec2(10 * pair + 0.5, -0.5));
+    CHECK(divided[std::size_t(5 * pair + 4)] == glm::vec2(10 * pair + 1.5, -2.5));
+  }
+  CHECK(dividedComplements({}, 2, 3, parents).empty());
+}
+
 }  // namespace ibr

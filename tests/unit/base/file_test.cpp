@@ -82,6 +82,20 @@ TEST_CASE("folders are made, or named where they cannot be") {
   CHECK(codeOf([&] { makeFolders(folder / "file"); }) == ErrorCode::io);
 }
 
+TEST_CASE("a folder that can never be written is known before it is made") {
+  test::TemporaryFolder folder;
+  writeFile(folder / "file", "");
+  checkFolderWritable(folder.path());
+  checkFolderWritable(folder / "new/below");
+  CHECK(!fs::exists(folder / "new"));
+  CHECK_THROWS_WITH(checkFolderWritable(folder / "file/below"), Catch::Contains("file is no folder"));
+  CHECK(codeOf([&] { checkFolderWritable(folder / "file"); }) == ErrorCode::io);
+  fs::permissions(folder.path(), fs::perms::owner_read | fs::perms::owner_exec);
+  if (::access(folder.path().c_str(), W_OK) != 0)  // the superuser may write everywhere
+    CHECK(codeOf([&] { checkFolderWritable(folder / "new"); }) == ErrorCode::io);
+  fs::permissions(folder.path(), fs::perms::owner_all);
+}
+
 TEST_CASE("paths stay inside their folder") {
   test::TemporaryFolder folder;
   CHECK(pathInside(folder.path(), "images/a..b.png").filename() == "a..b.png");
