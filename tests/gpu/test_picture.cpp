@@ -6,6 +6,7 @@
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "gpu/upload.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_coloured_frag.h"
@@ -34,13 +35,6 @@ PipelineHandle drawPipeline(const Device& device, VkPipelineLayout layout, VkRen
                                        .depthTest = settings.depth,
                                        .depthWrite = settings.depth,
                                        .depthClamp = true});
-}
-
-void setViewport(VkCommandBuffer commands, VkExtent2D extent) {
-  const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-  const VkRect2D scissor{{0, 0}, extent};
-  vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &scissor);
 }
 
 }  // namespace
@@ -92,18 +86,8 @@ void PicturePasses::recordCanvas(VkCommandBuffer commands, VkExtent2D extent) co
 
 void PicturePasses::recordComposition(VkCommandBuffer commands, const Target& target) const noexcept {
   transition(commands, target.image, target.before, use::kColourAttachment);
-  const VkRenderingAttachmentInfo attachment{.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-                                             .imageView = target.view,
-                                             .imageLayout = use::kColourAttachment.layout,
-                                             .loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-                                             .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
-  const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                             .renderArea = {{0, 0}, target.extent},
-                             .layerCount = 1,
-                             .colorAttachmentCount = 1,
-                             .pColorAttachments = &attachment};
-  vkCmdBeginRendering(commands, &info);
-  setViewport(commands, target.extent);
+  const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);
+  beginRendering(commands, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, composition_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, compositionLayout_.get(), 0, 1, &set_, 0, nullptr);
   vkCmdDraw(commands, 3, 1, 0, 0);

@@ -6,6 +6,7 @@
 #include "gpu/barrier.h"
 #include "gpu/gpu_image.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "reference/stage.h"
 #include "shaders/composite_vert.h"
 #include "shaders/test_white_frag.h"
@@ -48,24 +49,13 @@ TEST_CASE("a polygon is hidden where the scene is nearer, and nowhere else") {
     target.depth = DepthTarget{.image = depth.get(), .view = depth.view(), .nearPlane = kNear};
     const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
       renderer.record(commands, plan, target);
-      VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-      colour.imageView = target.view;
-      colour.imageLayout = use::kColourAttachment.layout;
-      colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-      colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-      VkRenderingAttachmentInfo tested = colour;
-      tested.imageView = depth.view();
-      tested.imageLayout = use::kDepthAttachment.layout;
-      VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-      rendering.renderArea.extent = kExtent;
-      rendering.layerCount = rendering.colorAttachmentCount = 1;
-      rendering.pColorAttachments = &colour;
-      rendering.pDepthAttachment = &tested;
-      vkCmdBeginRendering(commands, &rendering);
+      const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);
+      const VkRenderingAttachmentInfo tested =
+          depthAttachment(depth.view(), VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_STORE);
+      beginRendering(commands, kExtent, {&colour, 1}, &tested);
       const auto z = float(1 - kNear / distance);  // of an infinite far plane
       const VkViewport viewport{0, 0, float(kExtent.width), float(kExtent.height), z, z};
       vkCmdSetViewport(commands, 0, 1, &viewport);
-      vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
       vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, polygon.get());
       vkCmdDraw(commands, 3, 1, 0, 0);
       vkCmdEndRendering(commands);

@@ -4,6 +4,7 @@
 #include "gpu/canvas.h"
 #include "gpu/pipeline.h"
 #include "gpu/readback.h"
+#include "gpu/rendering.h"
 #include "gpu/submit.h"
 #include "shaders/multiview_probe_frag.h"
 #include "shaders/multiview_probe_vert.h"
@@ -26,10 +27,7 @@ bool multiviewWorks(const Device& device) {
                                                                 .depthWrite = true});
   submitAndWait(device, [&](VkCommandBuffer commands) {
     canvas.begin(commands, kExtent, {0, 0, 0, 0});
-    const VkViewport viewport{0, 0, float(kSide), float(kSide), 0, 1};
-    const VkRect2D scissor{{0, 0}, kExtent};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
+    setViewport(commands, kExtent);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
     vkCmdDraw(commands, 3, 1, 0, kBehind);
     for (std::uint32_t square = 0; square < kSquares; ++square) vkCmdDraw(commands, 6, 1, 0, square);

@@ -4,6 +4,7 @@
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "gpu/submit.h"
 #include "htm/gpu_model.h"
 #include "htm/projection.h"
@@ -67,28 +68,12 @@ void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.get(), 0, 1, &set, 0, nullptr);
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Intrinsics& k = model.cameras[i].intrinsics;
-      VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-      colour.imageView = views[i].get();
-      colour.imageLayout = use::kColourAttachment.layout;
-      colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // 0: infinitely far
-      colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-      VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-      depth.imageView = nearest.view();
-      depth.imageLayout = use::kDepthAttachment.layout;
-      depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-      depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-      depth.clearValue.depthStencil = {1.0f, 0};
-      VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-      rendering.renderArea = {{0, 0}, model.depths.info().extent};
-      rendering.layerCount = 1;
-      rendering.colorAttachmentCount = 1;
-      rendering.pColorAttachments = &colour;
-      rendering.pDepthAttachment = &depth;
-      vkCmdBeginRendering(commands, &rendering);
-      const VkViewport viewport{0, 0, float(k.width), float(k.height), 0, 1};
-      const VkRect2D scissor{{0, 0}, {std::uint32_t(k.width), std::uint32_t(k.height)}};
-      vkCmdSetViewport(commands, 0, 1, &viewport);
-      vkCmdSetScissor(commands, 0, 1, &scissor);
+      const VkRenderingAttachmentInfo inverseDepth =
+          colourAttachment(views[i].get(), VK_ATTACHMENT_LOAD_OP_CLEAR);  // 0: infinitely far
+      const VkRenderingAttachmentInfo depth =
+          depthAttachment(nearest.view(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE);
+      beginRendering(commands, model.depths.info().extent, {&inverseDepth, 1}, &depth);
+      setViewport(commands, {std::uint32_t(k.width), std::uint32_t(k.height)});
       shader::HtmFrame frame{};
       frame.clip = htmClip(htmProjection(model.cameras[i], model.bounds.middle), k, model.nearDistance[i]);
       vkCmdPushConstants(commands, layout.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof frame, &frame);

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <cstddef>
 
 #include "base/check.h"
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "htm/coordinates_pass.h"
+#include "image/srgb.h"
 #include "shaders/htm_colours_frag.h"
 #include "shaders/htm_colours_vert.h"
 #include "shaders/htm_depth_vert.h"
@@ -29,10 +30,6 @@ bool isSrgb(VkFormat format) {
 
 bool isSupported(VkFormat format) {
   return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
-}
-
-float decoded(float value) {  // IEC 61966-2-1
-  return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
 PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkFormat format, bool displaced,
@@ -85,24 +82,13 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
   transition(commands, depth_.get(), kDepthBefore, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   transition(commands, target.image, target.before, use::kColourAttachment);
 
-  VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  depth.imageView = depth_.view();
-  depth.imageLayout = use::kDepthAttachment.layout;
-  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  depth.clearValue.depthStencil = {1.0f, 0};
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea = {{0, 0}, target.extent};
-  rendering.layerCount = 1;
-  rendering.pDepthAttachment = &depth;
-  const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
-  vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();
   const std::uint32_t corners = 3 * set.model().triangleCount;
   if (draws) set.bind(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, set.frame(plan));
 
-  vkCmdBeginRendering(commands, &rendering);
+  const VkRenderingAttachmentInfo written =
+      depthAttachment(depth_.view(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);
+  beginRendering(commands, target.extent, {}, &written);
   if (draws) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, depthPipeline_.get());
     vkCmdDraw(commands, corners, 1, 0, 0);
@@ -110,19 +96,15 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
   vkCmdEndRendering(commands);
   transition(commands, depth_.get(), use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
 
-  depth.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  colour.imageView = target.view;
-  colour.imageLayout = use::kColourAttachment.layout;
-  colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  const glm::vec3 background = plan.settings.background;
-  for (int c = 0; c < 3; ++c)
-    colour.clearValue.color.float32[c] = isSrgb(target.format) ? decoded(background[c]) : background[c];
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachments = &colour;
-  vkCmdBeginRendering(commands, &rendering);
+  VkClearColorValue background{};
+  for (int c = 0; c < 3; ++c) {
+    const float encoded = plan.settings.background[c];
+    background.float32[c] = isSrgb(target.format) ? float(srgbToLinear(encoded)) : encoded;
+  }
+  const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, background);
+  const VkRenderingAttachmentInfo tested =
+      depthAttachment(depth_.view(), VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_DONT_CARE);
+  beginRendering(commands, target.extent, {&colour, 1}, &tested);
   if (draws) {
     const Shading shading = plan.settings.method == HtmMethod::vertexColours ? kColours
                             : htmDisplaces(set.model(), plan)                ? kDisplaced

@@ -8,6 +8,7 @@
 
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "gpu/upload.h"
 #include "shaders/buffers_frag.h"
 
@@ -77,30 +78,15 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
   for (std::size_t i = 0; i < colours.size(); ++i) {
     const BufferTarget& target = *all(targets)[i];
     transition(commands, target.image, target.before, use::kColourAttachment);
-    colours[i].sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
-    colours[i].imageView = target.view;
-    colours[i].imageLayout = use::kColourAttachment.layout;
-    colours[i].loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-    colours[i].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    colours[i].clearValue.color = empty[i];
+    colours[i] = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, empty[i]);
   }
   // Left as the canvas leaves it: the frame's passes have read it, the next frame clears it.
   constexpr ImageUse kRead{use::kSampled.layout, use::kSampled.stages | use::kDepthAttachment.stages,
                            use::kSampled.access | use::kDepthAttachment.access};
   transition(commands, canvas_->depth(), kRead, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
-  VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  depth.imageView = canvas_->depthView();
-  depth.imageLayout = use::kDepthAttachment.layout;
-  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  depth.clearValue.depthStencil.depth = 1;
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea = {{0, 0}, targets.extent};
-  rendering.layerCount = 1;
-  rendering.colorAttachmentCount = std::uint32_t(colours.size());
-  rendering.pColorAttachments = colours.data();
-  rendering.pDepthAttachment = &depth;
-  vkCmdBeginRendering(commands, &rendering);
+  const VkRenderingAttachmentInfo depth =
+      depthAttachment(canvas_->depthView(), VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE);
+  beginRendering(commands, targets.extent, colours, &depth);
   cells_->bind(commands, layout_.get());
   cells_->eachStep(
       commands, plan, Order::current, view, targets.extent, [&](const Step& step, std::uint32_t parameter) {

@@ -8,6 +8,7 @@
 
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "render/colour_plan.h"
 #include "render/gpu_scene.h"
 #include "shaders/colour_apply_comp.h"
@@ -209,9 +210,7 @@ void ColourMapPass::draw(VkCommandBuffer commands, Stage stage, const Step& step
                                    .framebuffer = framebuffer_.get(),
                                    .renderArea = {{0, 0}, extent}};
   vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-  const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-  vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &info.renderArea);
+  setViewport(commands, extent);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at({stage, variantOf(step, blend)}).get());
   cells_->bind(commands, layout_.get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetColour, 1,
@@ -273,10 +272,7 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
   // The main cell has nothing to adapt to.
   canvas_->begin(commands, extent, {0, 0, 0, 0});
   if (startsWithMain(steps)) {
-    const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-    const VkRect2D scissor{{0, 0}, extent};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
+    setViewport(commands, extent);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, cells_->pipeline(plan, steps.step[0]));
     cells_->bind(commands, cells_->layout());
     cells_->drawStep(commands, cells_->layout(), steps.step[0], parameter);

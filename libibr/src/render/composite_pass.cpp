@@ -9,6 +9,7 @@
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "render/floor.h"
 #include "shaders/composite_frag.h"
 #include "shaders/composite_vert.h"
@@ -115,20 +116,8 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
   const Key key{target.format, formerWeight > 0, filled, scaled, settings.floor.has_value()};
   assert(pipelines_.contains(key));
   transition(commandBuffer, target.image, target.before, use::kColourAttachment);
-  VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  attachment.imageView = target.view;
-  attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea = {{0, 0}, target.extent};
-  rendering.layerCount = 1;
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachments = &attachment;
-  vkCmdBeginRendering(commandBuffer, &rendering);
-  const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
-  vkCmdSetViewport(commandBuffer, 0, 1, &viewport);
-  vkCmdSetScissor(commandBuffer, 0, 1, &rendering.renderArea);
+  const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);
+  beginRendering(commandBuffer, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0,
                           nullptr);

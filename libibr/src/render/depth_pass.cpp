@@ -9,6 +9,7 @@
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
 #include "gpu/pipeline.h"
+#include "gpu/rendering.h"
 #include "render/cell_pass.h"
 #include "shaders/composite_vert.h"
 #include "shaders/depth_frag.h"
@@ -60,19 +61,9 @@ void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32
                        VkExtent2D drawn, VkExtent2D extent, const DepthTarget& target) const noexcept {
   assert(supports(target.format));
   transition(commands, target.image, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
-  VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-  attachment.imageView = target.view;
-  attachment.imageLayout = use::kDepthAttachment.layout;
-  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-  rendering.renderArea = {{0, 0}, extent};
-  rendering.layerCount = 1;
-  rendering.pDepthAttachment = &attachment;
-  vkCmdBeginRendering(commands, &rendering);
-  const VkViewport viewport{0, 0, float(extent.width), float(extent.height), 0, 1};
-  vkCmdSetViewport(commands, 0, 1, &viewport);
-  vkCmdSetScissor(commands, 0, 1, &rendering.renderArea);
+  const VkRenderingAttachmentInfo attachment =
+      depthAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_STORE);
+  beginRendering(commands, extent, {}, &attachment);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_[indexOf(target.format)].get());
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0, nullptr);
   // near → 0 and far → 1; an infinite far plane is the limit.
