@@ -49,10 +49,14 @@ Intrinsics intrinsicsOf(const JsonValue& json) {
   return k;
 }
 
+void checkVersion(const JsonValue& json, int newest) {
+  if (const JsonValue version = json["version"]; version.integer(1, INT32_MAX) > newest)
+    version.fault(fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), newest));
+}
+
 JsonValue extensionOf(const GltfDocument& document, const char* name, int newest) {
   const JsonValue extension = document.root()["extensions"][name];
-  if (const JsonValue version = extension["version"]; version.integer(1, INT32_MAX) > newest)
-    version.fault(fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), newest));
+  checkVersion(extension, newest);
   return extension;
 }
 
@@ -70,6 +74,11 @@ NamedCamera namedCamera(const GltfDocument& document, const JsonValue& entry) {
   if (json.has("rotation")) result.camera.pose.rotation = quaternion(json["rotation"]);
   result.camera.intrinsics = intrinsicsOf(entry["camera"]);
   return result;
+}
+
+std::filesystem::path documentFile(const std::filesystem::path& path, const char* name) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? path / name : path;
 }
 
 }  // namespace ibr

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,9 @@ glm::dvec3 vector3(const JsonValue& value);
 glm::dquat quaternion(const JsonValue& value);  // of length 1, normalised within 1e-3
 Intrinsics intrinsicsOf(const JsonValue& json);
 
-/// The content of the document's extension of that name; a newer version of it than `newest` is a fault.
+/// A member "version" that is newer than `newest` is a fault.
+void checkVersion(const JsonValue& json, int newest);
+/// The content of the document's extension of that name, its version checked.
 JsonValue extensionOf(const GltfDocument& document, const char* name, int newest);
 
 /// Name and camera of a list's entry with members "node" and "camera".
@@ -31,6 +34,9 @@ struct NamedCamera {
   Camera camera;
 };
 NamedCamera namedCamera(const GltfDocument& document, const JsonValue& entry);
+
+/// The file itself, or of a folder the file of that name in it.
+std::filesystem::path documentFile(const std::filesystem::path& path, const char* name);
 
 /// Calls steps; a fault is thrown as an Error that names the file, or kept where faults are collected.
 class FaultSink {
@@ -65,5 +71,48 @@ class FaultSink {
   std::vector<Fault>* faults_;
   std::size_t limit_;
 };
+
+/// Reads a list's entries, each of which has a "node" and a name of its own. Where one of them cannot be read, the list
+/// is at fault, since its `dependents` refer to it. `what`: an entry. `items` is empty before.
+template <class Item, class Read>
+void readNamed(const JsonValue& list, const char* what, const char* dependents, std::vector<Item>& items,
+               FaultSink& sink, Read&& read) {
+  std::map<std::string, std::size_t> names;
+  for (std::size_t i = 0; i < list.size() && !sink.full(); ++i)
+    sink.run([&] {
+      items.push_back(read(list.at(i)));
+      if (const auto [first, isNew] = names.emplace(items.back().name, i); !isNew)
+        list.at(i)["node"].fault(fmt::format("\"{}\" is also the name of {} {}", first->first, what, first->second));
+    });
+  if (items.size() != list.size()) list.fault(fmt::format("has faults, so {} were not looked at", dependents));
+}
+
+/// What `readAll` makes of a file that has no faults. Throws Error, which names the file and its first fault.
+template <class Content>
+Content loadDocument(const std::filesystem::path& file,
+                     Content (*readAll)(const std::filesystem::path& file, FaultSink& sink)) {
+  FaultSink sink(file, nullptr, 0);
+  Content content;
+  sink.run([&] { content = readAll(file, sink); });
+  // readAll has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
+  if (const std::vector<Fault> faults = validate(content, 1); !faults.empty())
+    fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
+  return content;
+}
+
+/// The faults of a file and of those it refers to.
+template <class Content>
+std::vector<Fault> faultsOfDocument(const std::filesystem::path& file, std::size_t limit,
+                                    Content (*readAll)(const std::filesystem::path& file, FaultSink& sink),
+                                    void (*checkFiles)(const Content& content, FaultSink& sink)) {
+  std::vector<Fault> faults;
+  FaultSink sink(file, &faults, limit);
+  sink.run([&] {
+    const Content content = readAll(file, sink);
+    checkFiles(content, sink);
+    if (faults.empty()) faults = validate(content, limit);
+  });
+  return faults;
+}
 
 }  // namespace ibr

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "base/check.h"
 #include "ibr/htm_model.h"
@@ -102,7 +101,8 @@ class Reader {
 };
 
 // Everything that can be read; surfaces are left out where cameras are at fault, since they refer to them.
-HtmModel readAll(Reader& reader, FaultSink& sink) {
+HtmModel readAll(const fs::path& file, FaultSink& sink) {
+  Reader reader(file);
   HtmModel model;
   model.folder = reader.folder();
   const bool whole = sink.run([&] {
@@ -110,14 +110,8 @@ HtmModel readAll(Reader& reader, FaultSink& sink) {
     if (extension.has("settings")) model.settings = extension["settings"].raw().dump();
     if (cameras.size() < 1 || cameras.size() > kLargestHtmCameraCount)
       cameras.fault(fmt::format("has {} elements, not 1 to {}", cameras.size(), kLargestHtmCameraCount));
-    std::map<std::string, std::size_t> names;
-    for (std::size_t i = 0; i < cameras.size() && !sink.full(); ++i)
-      sink.run([&] {
-        model.cameras.push_back(reader.camera(cameras.at(i)));
-        if (const auto [first, isNew] = names.emplace(model.cameras.back().name, i); !isNew)
-          cameras.at(i)["node"].fault(fmt::format("\"{}\" is also the name of camera {}", first->first, first->second));
-      });
-    if (model.cameras.size() != cameras.size()) cameras.fault("has faults, so surfaces were not looked at");
+    readNamed(cameras, "camera", "surfaces", model.cameras, sink,
+              [&](const JsonValue& entry) { return reader.camera(entry); });
   });
   if (!whole) return model;
   const std::size_t cameras = model.cameras.size();
@@ -147,38 +141,14 @@ void checkFiles(const HtmModel& model, FaultSink& sink) {
   }
 }
 
-fs::path modelFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? path / kHtmModelFileName : path;
-}
-
 }  // namespace
 
 HtmModel loadHtmModel(const fs::path& path) {
-  const fs::path file = modelFile(path);
-  FaultSink sink(file, nullptr, 0);
-  HtmModel model;
-  sink.run([&] {
-    Reader reader(file);
-    model = readAll(reader, sink);
-  });
-  // The reader has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
-  if (const std::vector<Fault> faults = validate(model, 1); !faults.empty())
-    fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
-  return model;
+  return loadDocument(documentFile(path, kHtmModelFileName), readAll);
 }
 
 std::vector<Fault> validateHtmModelFiles(const fs::path& path, std::size_t limit) {
-  const fs::path file = modelFile(path);
-  std::vector<Fault> faults;
-  FaultSink sink(file, &faults, limit);
-  sink.run([&] {
-    Reader reader(file);
-    const HtmModel model = readAll(reader, sink);
-    checkFiles(model, sink);
-    if (faults.empty()) faults = validate(model, limit);
-  });
-  return faults;
+  return faultsOfDocument(documentFile(path, kHtmModelFileName), limit, readAll, checkFiles);
 }
 
 }  // namespace ibr

@@ -13,15 +13,8 @@ namespace {
 constexpr int kVersion = 1;
 constexpr double kLargestRate = 1000;
 
-fs::path indexFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? path / kHtmSequenceFileName : path;
-}
-
 HtmSequenceIndex indexOf(const JsonValue& root, const fs::path& folder) {
-  if (const JsonValue version = root["version"]; version.integer(1, INT32_MAX) > kVersion)
-    version.fault(
-        fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), kVersion));
+  checkVersion(root, kVersion);
   HtmSequenceIndex index;
   index.fps = within(root["fps"], 0, kLargestRate);
   if (!(index.fps > 0)) root["fps"].fault("is not positive");
@@ -48,7 +41,7 @@ HtmSequenceIndex readIndex(const fs::path& file) {
 }  // namespace
 
 HtmSequenceIndex loadHtmSequence(const fs::path& path) {
-  const fs::path file = indexFile(path);
+  const fs::path file = documentFile(path, kHtmSequenceFileName);
   FaultSink sink(file, nullptr, 0);
   HtmSequenceIndex index;
   sink.run([&] { index = readIndex(file); });
@@ -76,7 +69,7 @@ void saveHtmSequence(const HtmSequenceIndex& index, const fs::path& folder) {
 }
 
 std::vector<Fault> validateHtmSequenceFiles(const fs::path& path, std::size_t limit) {
-  const fs::path file = indexFile(path);
+  const fs::path file = documentFile(path, kHtmSequenceFileName);
   std::vector<Fault> faults;
   FaultSink sink(file, &faults, limit);
   HtmSequenceIndex index;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <map>
 #include <set>
 
 #include "base/check.h"
@@ -186,20 +185,13 @@ class Reader {
 };
 
 // Everything that can be read; cells are left out where nodes are at fault, since they refer to them.
-Scene readAll(Reader& reader, FaultSink& sink) {
+Scene readAll(const fs::path& file, FaultSink& sink) {
+  Reader reader(file);
   Scene scene;
   sink.run([&] { reader.facts(scene); });
   bool whole = sink.run([&] {
-    const JsonValue photographs = reader.extension()["photographs"];
-    std::map<std::string, std::size_t> names;
-    for (std::size_t n = 0; n < photographs.size() && !sink.full(); ++n)
-      sink.run([&] {
-        scene.nodes.push_back(reader.node(photographs.at(n)));
-        if (const auto [first, isNew] = names.emplace(scene.nodes.back().name, n); !isNew)
-          photographs.at(n)["node"].fault(
-              fmt::format("\"{}\" is also the name of photograph {}", first->first, first->second));
-      });
-    if (scene.nodes.size() != photographs.size()) photographs.fault("has faults, so cells were not looked at");
+    readNamed(reader.extension()["photographs"], "photograph", "cells", scene.nodes, sink,
+              [&](const JsonValue& entry) { return reader.node(entry); });
   });
   if (!whole) return scene;
   const auto read = [&](const char* list, std::size_t least, std::size_t most, std::vector<Cell>& cells) {
@@ -243,38 +235,14 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
   }
 }
 
-fs::path sceneFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_directory(path, ignored) ? path / kSceneFileName : path;
-}
-
 }  // namespace
 
 Scene loadScene(const fs::path& path) {
-  const fs::path file = sceneFile(path);
-  FaultSink sink(file, nullptr, 0);
-  Scene scene;
-  sink.run([&] {
-    Reader reader(file);
-    scene = readAll(reader, sink);
-  });
-  // The reader has checked all of this; if it ever missed something, nothing wrong may go on to a renderer.
-  if (const std::vector<Fault> faults = validate(scene, 1); !faults.empty())
-    fail(ErrorCode::invalidInput, "{}: {} {}", file.string(), faults[0].field, faults[0].message);
-  return scene;
+  return loadDocument(documentFile(path, kSceneFileName), readAll);
 }
 
 std::vector<Fault> validateSceneFiles(const fs::path& path, std::size_t limit) {
-  const fs::path file = sceneFile(path);
-  std::vector<Fault> faults;
-  FaultSink sink(file, &faults, limit);
-  sink.run([&] {
-    Reader reader(file);
-    const Scene scene = readAll(reader, sink);
-    checkFiles(scene, sink);
-    if (faults.empty()) faults = validate(scene, limit);
-  });
-  return faults;
+  return faultsOfDocument(documentFile(path, kSceneFileName), limit, readAll, checkFiles);
 }
 
 }  // namespace ibr
