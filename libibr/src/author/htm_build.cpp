@@ -62,10 +62,11 @@ class Harmoniser {
   HtmResult run(const TriangleMesh& source, std::span<const HtmPhotograph> photographs) {
     HtmReport& report = result_.report;
     report.sourceFaces = source.triangles.size();
-    const Looked original = timed("visibility", [&] { return looked(source); });
+    Looked original = timed("visibility", [&] { return looked(source); });
     check(std::ranges::any_of(original.faces, [](const FaceVisibility& f) { return f.seen != 0; }),
           ErrorCode::invalidInput, "harmonise: no camera sees a face of the mesh");
     keepStage("original", source, differences(source, original, {}));
+    original.views.clear();  // large
 
     TriangleMesh mesh = reducedByShape(source);
     settle(mesh);
@@ -83,7 +84,7 @@ class Harmoniser {
 
  private:
   Looked looked(const TriangleMesh& mesh) const {
-    Looked looked{projectedMeshes(mesh, views_), {}};
+    Looked looked{projectedMeshes(mesh, views_, 0, options_.threads), {}};
     looked.faces = faceVisibility(mesh, looked.views, options_.threads);
     return looked;
   }
@@ -118,8 +119,7 @@ class Harmoniser {
   }
 
   TriangleMesh reducedByTexture(TriangleMesh mesh) {
-    const Looked before = timed("visibility", [&] { return looked(mesh); });
-    std::vector<double> difference = differences(mesh, before, {});
+    std::vector<double> difference = differences(mesh, timed("visibility", [&] { return looked(mesh); }), {});
     HtmReport& report = result_.report;
     report.reducedDifference = report.collapsedDifference = mean(difference);
     keepStage("reduced by shape", mesh, difference);

@@ -98,7 +98,7 @@ class FaceComparison {
         read += glm::dvec2(complements_[first + t.x]) * (1 - b - c) + glm::dvec2(complements_[first + t.y]) * b +
                 glm::dvec2(complements_[first + t.z]) * c;
       }
-      const glm::dvec3 apart = glm::abs(bilinear(views_[best].picture, *there) - bilinear(views_[k].picture, read));
+      const glm::dvec3 apart = glm::abs(bilinear(*views_[best].picture, *there) - bilinear(*views_[k].picture, read));
       sum += apart.x + apart.y + apart.z;
       ++samples;
     };

@@ -20,7 +20,7 @@ struct Level {
   Level(std::span<const ProjectedMesh> projected, double ofFullSize, const MakeTemplateSearch& makeSearch)
       : views(projected), scale(ofFullSize) {
     std::vector<const Image8*> pictures;
-    for (const ProjectedMesh& view : views) pictures.push_back(&view.picture);
+    for (const ProjectedMesh& view : views) pictures.push_back(view.picture.get());
     search = makeSearch(pictures);
   }
 
@@ -57,7 +57,7 @@ class CameraMatcher {
     for (std::size_t t = 0; t < matches.size(); ++t) {
       const TemplateTask& task = templates.tasks[t];
       VertexMatch& match = result[templates.index[t]];
-      match = refinedMatch(level.views[i].picture, std::span(templates.samples).subspan(task.first, task.count),
+      match = refinedMatch(*level.views[i].picture, std::span(templates.samples).subspan(task.first, task.count),
                            matches[t].displacement, options_.leastTexture);
       match.cost = matches[t].cost;
     }
@@ -106,7 +106,7 @@ std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const
                                        const MakeTemplateSearch& makeSearch, const ProgressCallback& progress) {
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const Lists faces = facesAtVertices(mesh);
-  const std::vector<ProjectedMesh> halved = projectedMeshes(mesh, views, 1);
+  const std::vector<ProjectedMesh> halved = projectedMeshes(mesh, views, 1, options.threads);
   const Level coarse(halved, 0.5, makeSearch), fine(projected, 1, makeSearch);
   const CameraMatcher matcher(mesh, faces, members, options, cameras);
   std::vector<VertexMatch> matches(cameras * cameras * n);

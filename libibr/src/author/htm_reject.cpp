@@ -100,7 +100,7 @@ std::vector<Agreement> agreements(const TriangleMesh& mesh, std::span<const Proj
             if (!(members[v] >> i & 1) || !(members[v] >> j & 1)) continue;
             const std::size_t k = (i * cameras + j) * n + v;
             const glm::dvec2 complement = complements.empty() ? glm::dvec2(0) : glm::dvec2(complements[k]);
-            all[k] = compared(views[i].picture, recoloured.of(segments[v]), complement);
+            all[k] = compared(*views[i].picture, recoloured.of(segments[v]), complement);
           }
         }
       },

@@ -82,7 +82,7 @@ Recoloured::Colour Recoloured::colourAt(SegmentPixel pixel) const {
   const double depth = view_.raster.depth.pixel(pixel.x, pixel.y)[0];
   const auto at = from_.visible(view_.view.point(glm::dvec2(pixel) + 0.5, depth));
   if (!at) return {0, 0, 0, Colour::hidden};
-  const glm::dvec3 colour = bilinear(from_.picture, *at) + 0.5;
+  const glm::dvec3 colour = bilinear(*from_.picture, *at) + 0.5;
   return {std::uint8_t(colour.x), std::uint8_t(colour.y), std::uint8_t(colour.z), Colour::seen};
 }
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "author/cv_view.h"
+#include "author/parallel.h"
 #include "author/raster.h"
 
 namespace ibr {
@@ -62,9 +63,9 @@ bool MeshRaster::shows(glm::dvec2 pixel, double at, double tolerance) const {
 }
 
 bool ProjectedMesh::masked(glm::dvec2 pixel) const {
-  if (mask.empty()) return true;
-  const int x = std::clamp(int(pixel.x), 0, mask.width - 1), y = std::clamp(int(pixel.y), 0, mask.height - 1);
-  return mask.pixel(x, y)[0] >= 128;
+  if (mask->empty()) return true;
+  const int x = std::clamp(int(pixel.x), 0, mask->width - 1), y = std::clamp(int(pixel.y), 0, mask->height - 1);
+  return mask->pixel(x, y)[0] >= 128;
 }
 
 std::optional<glm::dvec2> ProjectedMesh::visible(const glm::dvec3& world) const {
@@ -76,23 +77,34 @@ std::optional<glm::dvec2> ProjectedMesh::visible(const glm::dvec3& world) const 
 
 namespace {
 
-Image8 halved(const Image8& image, int halvings) {
-  if (halvings == 0 || image.empty()) return image;
-  Image8 small(std::max(1, image.width >> halvings), std::max(1, image.height >> halvings), image.channels);
-  cv::Mat out = cvView(small);
+// The image itself, which stays its owner's, or a smaller one.
+std::shared_ptr<const Image8> halved(const Image8& image, int halvings) {
+  if (halvings == 0 || image.empty()) return {std::shared_ptr<const Image8>(), &image};
+  auto small = std::make_shared<Image8>(std::max(1, image.width >> halvings), std::max(1, image.height >> halvings),
+                                        image.channels);
+  cv::Mat out = cvView(*small);
   cv::resize(cvView(image), out, out.size(), 0, 0, cv::INTER_AREA);
   return small;
 }
 
 }  // namespace
 
-std::vector<ProjectedMesh> projectedMeshes(const TriangleMesh& mesh, std::span<const HtmView> views, int halvings) {
+std::vector<ProjectedMesh> projectedMeshes(const TriangleMesh& mesh, std::span<const HtmView> views, int halvings,
+                                           int threads) {
+  std::vector<Camera> cameras;
   std::vector<ProjectedMesh> projected;
+  double mostPixels = 0;
   for (const HtmView& view : views) {
-    Image8 picture = halved(view.picture, halvings);
-    const Camera camera{resized(view.camera.intrinsics, picture.width, picture.height), view.camera.pose};
-    projected.push_back({PinholeView(camera), std::move(picture), halved(view.mask, halvings), rasterised(mesh, camera)});
+    auto picture = halved(view.picture, halvings);
+    cameras.push_back({resized(view.camera.intrinsics, picture->width, picture->height), view.camera.pose});
+    mostPixels = std::max(mostPixels, double(picture->width) * picture->height);
+    projected.push_back({PinholeView(cameras.back()), std::move(picture), halved(view.mask, halvings), {}});
   }
+  const double bytes = double(mesh.positions.size()) * sizeof(std::optional<PinholeView::Seen>) +
+                       mostPixels * (sizeof(std::uint32_t) + sizeof(float));
+  runJobs(
+      views.size(), threadsFor(threads, bytes),
+      [&](std::size_t i) { projected[i].raster = rasterised(mesh, cameras[i]); }, [](std::size_t) { return true; });
   return projected;
 }
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <glm/mat3x3.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,10 +61,10 @@ struct HtmView {
   Image8 mask;     // 1 channel, of the same size, >= 128: the object; or empty: everything may be
 };
 
-/// A view with the mesh drawn into it, at one scale.
+/// A view with the mesh drawn into it, at one scale. Copies share the pictures.
 struct ProjectedMesh {
   PinholeView view;
-  Image8 picture, mask;
+  std::shared_ptr<const Image8> picture, mask;  // never null; at full size those of the HtmView itself, not owned
   MeshRaster raster;
 
   /// nullopt where a world point is outside the picture or the mask, or hidden by the mesh.
@@ -72,7 +72,11 @@ struct ProjectedMesh {
   bool masked(glm::dvec2 pixel) const;
 };
 
-/// `halvings`: how often pictures and masks are halved first.
-std::vector<ProjectedMesh> projectedMeshes(const TriangleMesh& mesh, std::span<const HtmView> views, int halvings = 0);
+/// `halvings`: how often pictures and masks are halved first. Where that is 0 the views' own are referred to: they must
+/// outlive what is returned and all its copies. `threads`: 0 for all cores.
+std::vector<ProjectedMesh> projectedMeshes(const TriangleMesh& mesh, std::span<const HtmView> views, int halvings = 0,
+                                           int threads = 1);
+std::vector<ProjectedMesh> projectedMeshes(const TriangleMesh& mesh, std::vector<HtmView>&& views, int halvings = 0,
+                                           int threads = 1) = delete;
 
 }  // namespace ibr

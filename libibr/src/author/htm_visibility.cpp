@@ -119,7 +119,7 @@ cv::Mat distancesTo(const Image8& zero) {
 
 Image8 softVisibility(const ProjectedMesh& view, double softPx) {
   const ImageF& depth = view.raster.depth;
-  Image8 object = view.mask;
+  Image8 object = *view.mask;
   if (object.empty()) {
     object = Image8(depth.width, depth.height, 1);
     for (std::size_t p = 0; p < object.values.size(); ++p) object.values[p] = std::isfinite(depth.values[p]) ? 255 : 0;

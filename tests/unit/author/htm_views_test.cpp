@@ -175,17 +175,38 @@ TEST_CASE("Halved views see the same at half the pixels") {
     HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}, width, 90), {10, 20, 30});
     view.mask = Image8(width, 90, 1, 255);
     const ProjectedMesh half = projectedMeshes(mesh, {&view, 1}, 1).front();
-    CHECK(half.picture.width == width / 2);
-    CHECK(half.mask.height == 45);
-    CHECK(half.picture.pixel(3, 3)[2] == 30);
+    CHECK(half.picture->width == width / 2);
+    CHECK(half.mask->height == 45);
+    CHECK(half.picture->pixel(3, 3)[2] == 30);
     for (const glm::dvec3 point : {glm::dvec3(0.1, 0.2, 0), {0.9, 0.8, -1}}) {
       const auto there = half.visible(point);
       REQUIRE(there);
       const glm::dvec2 full = PinholeView(view.camera).seen(point)->pixel;
-      CHECK(glm::distance(*there, full * glm::dvec2(half.picture.width / double(width), 0.5)) < 1e-9);
+      CHECK(glm::distance(*there, full * glm::dvec2(half.picture->width / double(width), 0.5)) < 1e-9);
     }
     CHECK(!half.visible({0.1, 0.1, -1}));
   }
+}
+
+TEST_CASE("Views share their pictures at full size, and are drawn alike by any number of threads") {
+  const TriangleMesh mesh = joined(board({0, 0, -1}, 4), board({0, 0, 0}, 0.5));
+  std::vector<HtmView> views;
+  for (const double x : {-1.0, 0.0, 0.5, 2.0}) views.push_back(plainView(lookingAt({x, 0, 2}, {0, 0, 0})));
+  views[1].mask = Image8(120, 90, 1, 255);
+  for (const int halvings : {0, 1}) {
+    const auto alone = projectedMeshes(mesh, views, halvings, 1), together = projectedMeshes(mesh, views, halvings, 3);
+    REQUIRE((alone.size() == views.size() && together.size() == views.size()));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      CHECK(alone[i].raster.face == together[i].raster.face);
+      CHECK(alone[i].raster.depth == together[i].raster.depth);
+      CHECK((alone[i].picture.get() == &views[i].picture) == (halvings == 0));
+      CHECK((alone[i].mask.get() == &views[i].mask) == (halvings == 0 || views[i].mask.empty()));
+      const ProjectedMesh copy = together[i];
+      CHECK((copy.picture == together[i].picture && copy.mask == together[i].mask));
+      CHECK(*copy.picture == *alone[i].picture);
+    }
+  }
+  CHECK(projectedMeshes(mesh, std::span<const HtmView>(), 0, 0).empty());
 }
 
 TEST_CASE("Visibility falls towards the background and where the mesh hides itself") {
