@@ -46,6 +46,7 @@ class FaceComparison {
     std::vector<std::size_t> cameras;
     std::vector<double> facing, size;
     double longest = 0;
+    constexpr double kMostSize = 1e100;  // px²: next to a corner it is infinite, which has no share
     const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
     const glm::dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
     if (!(glm::length(normal) > 0)) return 0;
@@ -62,7 +63,7 @@ class FaceComparison {
       const glm::dvec2 ab = at[1] - at[0], ac = at[2] - at[0];
       cameras.push_back(k);
       facing.push_back(glm::dot(glm::normalize(normal), glm::normalize(views_[k].view.centre() - middle)));
-      size.push_back(0.5 * std::abs(ab.x * ac.y - ab.y * ac.x));
+      size.push_back(std::fmin(0.5 * std::abs(ab.x * ac.y - ab.y * ac.x), kMostSize));
       for (std::size_t c = 0; c < 3; ++c) longest = std::max(longest, glm::distance(at[c], at[(c + 1) % 3]));
     }
     if (cameras.size() < 2) return 0;
@@ -84,7 +85,7 @@ class FaceComparison {
   // Eq. 1 between picture k and picture `best` warped onto it (Alg. 5); NaN where they share no pixel (n_p = 0).
   double meanDifference(std::uint32_t face, const std::array<glm::dvec3, 3>& corner, std::size_t k, std::size_t best,
                         double longestPx) const {
-    const int n = std::clamp(int(std::ceil(longestPx / 2)), 2, 16);
+    const int n = int(std::ceil(std::clamp(longestPx / 2, 2.0, 16.0)));
     const std::size_t vertices = mesh_.positions.size(), first = (k * views_.size() + best) * vertices;
     double sum = 0;
     int samples = 0;

@@ -95,9 +95,9 @@ void addOutlines(const TriangleMesh& mesh, const HtmView& view, std::vector<std:
   for (std::size_t v = 0; v < sides.size(); ++v) {
     const auto here = sides[v] == 3 ? pinhole.seen(mesh.positions[v]) : std::nullopt;
     if (!here || !raster.shows(here->pixel, here->depth, 5e-3)) continue;
-    const glm::dvec2 p = glm::clamp(here->pixel, glm::dvec2(-1), glm::dvec2(distance.cols, distance.rows));
-    const int x = int(std::floor(p.x)), y = int(std::floor(p.y));
-    if (x < 4 || y < 4 || x >= distance.cols - 4 || y >= distance.rows - 4) continue;  // cut by the picture's border
+    const glm::dvec2 p = here->pixel;
+    if (!(p.x >= 4 && p.y >= 4 && p.x < distance.cols - 4 && p.y < distance.rows - 4)) continue;  // cut by the border
+    const int x = int(p.x), y = int(p.y);
     const double off = distance.at<float>(y, x);
     glm::dvec2 outwards(distance.at<float>(y, x + 2) - distance.at<float>(y, x - 2),
                         distance.at<float>(y + 2, x) - distance.at<float>(y - 2, x));

@@ -51,9 +51,19 @@ MeshRaster rasterised(const TriangleMesh& mesh, const Camera& camera) {
   return raster;
 }
 
+namespace {
+
+// The pixel of a row or column that a coordinate lies in. What is far outside, infinite or no number is outside, too:
+// a point barely before its camera is seen 10¹⁰ px away and further.
+int pixelOf(double at, int size) {
+  return int(std::floor(std::fmin(std::fmax(at, -2.0), size + 1.0)));
+}
+
+}  // namespace
+
 bool MeshRaster::shows(glm::dvec2 pixel, double at, double tolerance) const {
   // The farthest of the four pixels around that show a face: a slanted surface is as deep as its far side.
-  const int x = int(std::floor(pixel.x - 0.5)), y = int(std::floor(pixel.y - 0.5));
+  const int x = pixelOf(pixel.x - 0.5, depth.width), y = pixelOf(pixel.y - 0.5, depth.height);
   float farthest = 0;
   for (int dy = 0; dy < 2; ++dy)
     for (int dx = 0; dx < 2; ++dx)
@@ -64,7 +74,8 @@ bool MeshRaster::shows(glm::dvec2 pixel, double at, double tolerance) const {
 
 bool ProjectedMesh::masked(glm::dvec2 pixel) const {
   if (mask->empty()) return true;
-  const int x = std::clamp(int(pixel.x), 0, mask->width - 1), y = std::clamp(int(pixel.y), 0, mask->height - 1);
+  const int x = std::clamp(pixelOf(pixel.x, mask->width), 0, mask->width - 1),
+            y = std::clamp(pixelOf(pixel.y, mask->height), 0, mask->height - 1);
   return mask->pixel(x, y)[0] >= 128;
 }
 

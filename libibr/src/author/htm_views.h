@@ -49,7 +49,7 @@ struct MeshRaster {
   ImageF depth;               // along the viewing axis, world units; infinite where no face is
 
   /// Whether a point seen at `pixel`, `depth` lies on or before the nearest surface around, to `tolerance` of its
-  /// depth.
+  /// depth; yes where no face is around, so everywhere outside the picture, at infinite pixels too.
   bool shows(glm::dvec2 pixel, double depth, double tolerance = 2e-3) const;
 };
 /// Faces with a corner that is not before the camera are left out.
@@ -69,6 +69,7 @@ struct ProjectedMesh {
 
   /// nullopt where a world point is outside the picture or the mask, or hidden by the mesh.
   std::optional<glm::dvec2> visible(const glm::dvec3& world) const;
+  /// Whether the mask has the object there, or nearest to there where that is outside the picture.
   bool masked(glm::dvec2 pixel) const;
 };
 

@@ -54,7 +54,8 @@ void judge(const std::array<glm::dvec3, 3>& corner, const ProjectedMesh& view, C
     if (!a || !b) return;
     longest = std::max(longest, glm::distance(a->pixel, b->pixel));
   }
-  const Shares shares = sharesOf(corner, view, std::clamp(int(std::ceil(longest / kSamplePx)), 2, kMostSamples));
+  const double pieces = std::clamp(longest / kSamplePx, 2.0, double(kMostSamples));  // of any length, infinite too
+  const Shares shares = sharesOf(corner, view, int(std::ceil(pieces)));
   if (shares.visible < kLeastShare * shares.samples) return;
   result.seen |= camera;
   if (shares.hidden > 0) result.partly |= camera;

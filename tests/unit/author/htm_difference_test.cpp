@@ -125,6 +125,27 @@ TEST_CASE("Cameras that share no pixel of a face do not differ in it") {
   CHECK(differencesOf(triangle(), views)[0] == 0);
 }
 
+TEST_CASE("A face whose corner is barely before a camera is compared as closely as any") {
+  const std::vector<HtmView> plain{plainView(test::aboveGround()),
+                                   plainView(lookingAt({0.3, 0.5, 3}, {0, -1.5, -6}, 240, 180))};
+  std::vector<HtmView> views = plain;
+  const PinholeView pinhole(views[1].camera);
+  for (int y = 0; y < 180; ++y)
+    for (int x = 0; x < 240; ++x) {
+      const glm::dvec3 from = pinhole.centre(), along = pinhole.point({x + 0.5, y + 0.5}, 1) - from;
+      const glm::dvec3 at = from - along * ((from.y + 1.5) / along.y);
+      if (along.y < 0 && glm::distance(at, glm::dvec3(0.6, -1.5, -5.5)) < 0.6) views[1].picture.pixel(x, y)[1] = 200;
+    }
+  const double usual = differencesOf(test::groundUpTo(1e-3), views)[0];
+  CHECK(usual > 0.01);
+  for (const double before : test::kBarelyBefore) {
+    INFO(before);
+    CHECK(differencesOf(test::groundUpTo(before), views)[0] == Approx(usual).epsilon(0.05));
+    CHECK(differencesOf(test::groundUpTo(before), {views[1], views[0]})[0] == Approx(usual).epsilon(0.05));
+    CHECK(differencesOf(test::groundUpTo(before), plain)[0] == 0);
+  }
+}
+
 TEST_CASE("An object whose pictures are exact differs by its sampling alone, and complements undo cameras' errors") {
   const auto meanOf = [](const std::vector<double>& d) { return sumOf(d) / double(d.size()); };
   test::BumpyOptions options;

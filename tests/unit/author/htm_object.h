@@ -52,6 +52,18 @@ inline TriangleMesh moved(TriangleMesh mesh, glm::dvec3 by) {
   return mesh;
 }
 
+/// How far before a camera a vertex lies that the camera stands next to, down to the smallest number.
+inline constexpr std::array kBarelyBefore{1e-3, 1e-9, 1e-300, 5e-324};
+
+/// A camera above the ground, at the origin, and the ground: a face with a corner that the camera sees `before` it, so
+/// at 10¹¹ px where that is 10⁻⁹.
+inline Camera aboveGround() {
+  return lookingAt({0, 0, 0}, {0, 0, -1});
+}
+inline TriangleMesh groundUpTo(double before) {
+  return {{{5, -1.5, -12}, {-5, -1.5, -12}, {0, -1.5, -before}}, {{0, 1, 2}}};
+}
+
 /// The first point of the mesh on the ray through a pixel.
 inline std::optional<glm::dvec3> pointBehind(const TriangleMesh& mesh, const Camera& camera, glm::dvec2 pixel) {
   const PinholeView view(camera);

@@ -116,6 +116,36 @@ TEST_CASE("Outlines are drawn to the masks' borders") {
   CHECK(mean() == 0);
 }
 
+TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to its mask") {
+  const TriangleMesh said = test::sphere(24);
+  HtmView view = test::plainView(test::lookingAt({0, 0, 0}, {0, 0, -1}, 200, 200, 0.38));
+  const TriangleMesh moved = test::moved(said, {0, 0, -6});
+  const MeshRaster seen = rasterised(test::moved(said, {0.02, 0, -6}), view.camera);
+  view.mask = Image8(200, 200, 1);
+  for (std::size_t p = 0; p < seen.face.values.size(); ++p)
+    view.mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
+  const auto displacementsOf = [&](const TriangleMesh& mesh) {
+    const std::vector<CameraSet> members(mesh.positions.size(), 0);
+    const std::vector<VertexMatch> matches(mesh.positions.size());
+    return normalDisplacements(mesh, {&view, 1}, members, matches, {1, 2});
+  };
+  const std::vector<double> alone = displacementsOf(moved);
+  CHECK(std::ranges::any_of(alone, [](double d) { return d != 0; }));
+  for (const double before : test::kBarelyBefore)
+    for (const double side : {-1.0, 1.0}) {
+      INFO(before << " " << side);
+      // A fold: one face is seen from its front, one from its back.
+      TriangleMesh more = moved;
+      const auto first = glm::uint(more.positions.size());
+      for (const glm::dvec3 at : {glm::dvec3(1, 0, -before), {1, 0.2, -1}, {2, 0.1, -0.5}, {2, 0.2, -0.1}})
+        more.positions.push_back(at * glm::dvec3(side, 1, 1));
+      more.triangles.push_back(glm::uvec3(0, 1, 2) + first);
+      more.triangles.push_back(glm::uvec3(0, 3, 1) + first);
+      const std::vector<double> both = displacementsOf(more);
+      for (std::size_t v = 0; v < both.size(); ++v) CHECK(both[v] == (v < first ? alone[v] : 0.0));
+    }
+}
+
 TEST_CASE("Vertices move along their normals, but no face is turned over") {
   const TriangleMesh grid = test::flatGrid(4);
   std::vector<double> by(grid.positions.size(), 0.25);

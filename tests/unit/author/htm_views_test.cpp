@@ -188,6 +188,41 @@ TEST_CASE("Halved views see the same at half the pixels") {
   }
 }
 
+TEST_CASE("Far from the picture nothing hides a point, and the mask goes on") {
+  const TriangleMesh mesh = board({0, 0, 0}, 10);
+  HtmView view = plainView(lookingAt({0, 0, 2}, {0, 0, 0}));
+  view.mask = Image8(120, 90, 1);
+  for (int y = 0; y < 90; ++y)
+    for (int x = 0; x < 60; ++x) view.mask.pixel(x, y)[0] = 255;
+  const ProjectedMesh there = projected(mesh, view);
+  CHECK(!there.raster.shows({60, 45}, 100));
+  for (const glm::dvec2 rim : {glm::dvec2(-0.4, -0.4), {120.4, 90.4}}) CHECK(!there.raster.shows(rim, 100));
+  for (const double far : {122.0, 1e9, 1e10, 1e300, HUGE_VAL})
+    for (const double sign : {-1.0, 1.0}) {
+      INFO(sign * far);
+      CHECK(there.raster.shows({sign * far, 45}, 100));
+      CHECK(there.raster.shows({60, sign * far}, 100));
+      CHECK(there.raster.shows({sign * far, -sign * far}, 100));
+      CHECK(there.masked({sign * far, 45}) == (sign < 0));
+      CHECK(there.masked({20, sign * far}));
+      CHECK(!there.masked({80, sign * far}));
+    }
+  CHECK(there.raster.shows(glm::dvec2(std::nan("")), 100));
+}
+
+TEST_CASE("A face whose corner is barely before the camera is looked at as closely as any") {
+  const HtmView view = plainView(test::aboveGround());
+  const TriangleMesh leaf = board({0.341, -0.82, -3}, 0.2);  // hides a little of the ground
+  for (const double before : test::kBarelyBefore) {
+    INFO(before);
+    const TriangleMesh ground = test::groundUpTo(before), both = joined(ground, leaf);
+    const auto alone = faceVisibility(ground, projectedMeshes(ground, {&view, 1}), 1)[0];
+    CHECK((alone.seen == 1 && alone.partly == 0));
+    const auto covered = faceVisibility(both, projectedMeshes(both, {&view, 1}), 1)[0];
+    CHECK((covered.seen == 1 && covered.partly == 1));
+  }
+}
+
 TEST_CASE("Views share their pictures at full size, and are drawn alike by any number of threads") {
   const TriangleMesh mesh = joined(board({0, 0, -1}, 4), board({0, 0, 0}, 0.5));
   std::vector<HtmView> views;
