@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <utility>
 
 #include "author/htm_refine.h"
 #include "author/parallel.h"
@@ -43,35 +44,50 @@ class CameraMatcher {
 
   // Displacements of camera i's vertices, px at full size, where they are searched; those of no task stay.
   void searchAt(const Level& level, std::size_t i, double radius, std::vector<glm::dvec2>& displacement) const {
-    const Templates templates = templatesAt(level, i, displacement);
     const int window = std::clamp(int(std::ceil(radius * level.scale)), 1, kLargestTemplateRadius);
-    const auto matches = level.search(templates.tasks, templates.samples, window, options_.measure);
-    for (std::size_t t = 0; t < matches.size(); ++t)
-      displacement[local(templates.index[t], i)] = glm::dvec2(matches[t].displacement) / level.scale;
+    forPortionsAt(level, i, displacement, [&](const Templates& portion) {
+      const auto matches = level.search(portion.tasks, portion.samples, window, options_.measure);
+      for (std::size_t t = 0; t < matches.size(); ++t)
+        displacement[local(portion.index[t], i)] = glm::dvec2(matches[t].displacement) / level.scale;
+    });
   }
 
-  void refineAt(const Level& level, std::size_t i, std::vector<glm::dvec2>& displacement,
+  void refineAt(const Level& level, std::size_t i, const std::vector<glm::dvec2>& displacement,
                 std::span<VertexMatch> result) const {
-    const Templates templates = templatesAt(level, i, displacement);
-    const auto matches = level.search(templates.tasks, templates.samples, 2, options_.measure);
-    for (std::size_t t = 0; t < matches.size(); ++t) {
-      const TemplateTask& task = templates.tasks[t];
-      VertexMatch& match = result[templates.index[t]];
-      match = refinedMatch(*level.views[i].picture, std::span(templates.samples).subspan(task.first, task.count),
-                           matches[t].displacement, options_.leastTexture);
-      match.cost = matches[t].cost;
-    }
+    forPortionsAt(level, i, displacement, [&](const Templates& portion) {
+      const auto matches = level.search(portion.tasks, portion.samples, 2, options_.measure);
+      for (std::size_t t = 0; t < matches.size(); ++t) {
+        const TemplateTask& task = portion.tasks[t];
+        VertexMatch& match = result[portion.index[t]];
+        match = refinedMatch(*level.views[i].picture, std::span(portion.samples).subspan(task.first, task.count),
+                             matches[t].displacement, options_.leastTexture);
+        match.cost = matches[t].cost;
+      }
+    });
   }
 
-  std::size_t local(std::size_t index, std::size_t i) const { return index - i * cameras_ * mesh_.positions.size(); }
+  // Bytes that a camera takes, at most: a portion, its segments, its displacements and another camera's colours.
+  double bytesAt(std::size_t i, const Level& level) const {
+    constexpr double kATask = sizeof(TemplateTask) + sizeof(std::size_t) + sizeof(TemplateMatch);
+    const double vertices = double(mesh_.positions.size()), across = 2 * options_.segment.mostRadius + 1;
+    return double(options_.portion) * (sizeof(TemplateSample) + kATask / kLeastSamples) +
+           vertices * (across * across * sizeof(SegmentPixel) + double(cameras_) * sizeof(glm::dvec2)) +
+           double(level.views[i].raster.depth.values.size()) * Recoloured::kBytesAPixel;
+  }
 
  private:
-  Templates templatesAt(const Level& level, std::size_t i, const std::vector<glm::dvec2>& start) const {
+  std::size_t local(std::size_t index, std::size_t i) const { return index - i * cameras_ * mesh_.positions.size(); }
+
+  // visit(templates) for those of camera i, a portion after the other. `start` at a portion's own templates is not read
+  // again, so that visit may change it.
+  template <class Visit>
+  void forPortionsAt(const Level& level, std::size_t i, const std::vector<glm::dvec2>& start, Visit&& visit) const {
     const SegmentOptions scaled{options_.segment.leastRadius * (level.scale < 1 ? 0.75 : 1),
                                 options_.segment.mostRadius * (level.scale < 1 ? 0.75 : 1)};
     const auto least = std::uint32_t(kLeastSamples * (level.scale < 1 ? 0.5 : 1));
     const auto segments = segmentsOf(mesh_, faces_, level.views[i], scaled, members_, i);
     Templates templates;
+    templates.samples.reserve(options_.portion);  // what is not used is no memory
     for (std::size_t j = 0; j < cameras_; ++j) {
       if (j == i) continue;
       Recoloured recoloured(level.views[i], level.views[j]);
@@ -80,6 +96,12 @@ class CameraMatcher {
         if (!(members_[v] >> j & 1) || segment.size() < least) continue;
         const std::vector<TemplateSample> samples = recoloured.of(segment);
         if (samples.size() < least || double(samples.size()) < kLeastShare * double(segment.size())) continue;
+        if (!templates.tasks.empty() && templates.samples.size() + samples.size() > options_.portion) {
+          visit(std::as_const(templates));
+          templates.samples.clear();
+          templates.tasks.clear();
+          templates.index.clear();
+        }
         const std::size_t index = (i * cameras_ + j) * mesh_.positions.size() + v;
         const glm::dvec2 at = glm::round(start[local(index, i)] * level.scale);
         templates.tasks.push_back(
@@ -88,7 +110,7 @@ class CameraMatcher {
         templates.samples.insert(templates.samples.end(), samples.begin(), samples.end());
       }
     }
-    return templates;
+    if (!templates.tasks.empty()) visit(std::as_const(templates));
   }
 
   const TriangleMesh& mesh_;
@@ -110,8 +132,10 @@ std::vector<VertexMatch> matchVertices(const TriangleMesh& mesh, std::span<const
   const Level coarse(halved, 0.5, makeSearch), fine(projected, 1, makeSearch);
   const CameraMatcher matcher(mesh, faces, members, options, cameras);
   std::vector<VertexMatch> matches(cameras * cameras * n);
+  double bytes = 0;
+  for (std::size_t i = 0; i < cameras; ++i) bytes = std::max(bytes, matcher.bytesAt(i, fine));
   const bool finished = runJobs(
-      cameras, threadsFor(options.threads, 3e8),
+      cameras, threadsFor(options.threads, bytes),
       [&](std::size_t i) {
         std::vector<glm::dvec2> displacement(cameras * n, glm::dvec2(0.0));
         if (!start.empty())

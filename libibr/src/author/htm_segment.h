@@ -53,17 +53,20 @@ std::vector<std::vector<SegmentPixel>> segmentsOf(const TriangleMesh& mesh, cons
 /// One view in another one's colours, each pixel from when it is first asked for: segments of neighbours share most of
 /// their pixels. For one thread; the views are read until it goes.
 class Recoloured {
+  struct Colour {
+    std::uint8_t red, green, blue;
+    enum State : std::uint8_t { unknown, hidden, seen } state;
+  };
+
  public:
+  static constexpr std::size_t kBytesAPixel = sizeof(Colour);  // of the view, that one of these takes
+
   Recoloured(const ProjectedMesh& view, const ProjectedMesh& from);
 
   /// The segment's pixels whose point `from` sees, with its colours, rounded.
   std::vector<TemplateSample> of(std::span<const SegmentPixel> segment);
 
  private:
-  struct Colour {
-    std::uint8_t red, green, blue;
-    enum State : std::uint8_t { unknown, hidden, seen } state;
-  };
   Colour colourAt(SegmentPixel pixel) const;
 
   const ProjectedMesh &view_, &from_;

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <random>
 
@@ -262,6 +263,53 @@ TEST_CASE("What has no texture, no members or no view has no match") {
       CHECK(std::abs(m.displacement.y) < 0.3);
     }
   CHECK(known > n / 2);
+}
+
+TEST_CASE("Templates are searched in portions, and no match depends on how large these are") {
+  const Wall wall(bricks);
+  VertexMatchOptions options;
+  options.threads = 2;
+  std::mutex mutex;
+  std::size_t calls = 0, most = 0, all = 0;
+  const MakeTemplateSearch counted = [&](std::span<const Image8* const> pictures) -> TemplateSearch {
+    return [&, search = processorTemplateSearch(pictures)](std::span<const TemplateTask> tasks,
+                                                           std::span<const TemplateSample> samples, int radius,
+                                                           TemplateMeasure measure) {
+      const std::lock_guard lock(mutex);
+      if (tasks.size() > 1) most = std::max(most, samples.size());
+      ++calls;
+      all += samples.size();
+      return search(tasks, samples, radius, measure);
+    };
+  };
+  const auto matched = [&](std::size_t portion, std::span<const glm::vec2> start = {}) {
+    options.portion = portion;
+    calls = most = all = 0;
+    return matchVertices(wall.mesh, wall.views, projectedMeshes(wall.mesh, wall.views), wall.members, start, options,
+                         counted, {});
+  };
+  const std::vector<VertexMatch> whole = matched(kTemplatePortion);
+  CHECK(calls == 4);  // two cameras at two scales
+  const std::size_t samples = all;
+  std::vector<glm::vec2> start;
+  for (const VertexMatch& match : whole) start.push_back(match.displacement);
+  const std::vector<VertexMatch> wholeAgain = matched(kTemplatePortion, start);
+  for (const std::size_t portion : {std::size_t(1), std::size_t(700), std::size_t(5000), samples}) {
+    INFO(portion);
+    for (const bool again : {false, true}) {
+      const std::vector<VertexMatch> parts = matched(portion, again ? start : std::vector<glm::vec2>());
+      CHECK(most <= portion);
+      CHECK(calls >= all / std::max<std::size_t>(portion, kLargestTemplate));
+      CHECK((portion > 1 || calls > 100));
+      const std::vector<VertexMatch>& expected = again ? wholeAgain : whole;
+      REQUIRE(parts.size() == expected.size());
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        CHECK(parts[k].displacement == expected[k].displacement);
+        CHECK(parts[k].information == expected[k].information);
+        CHECK(parts[k].cost == expected[k].cost);
+      }
+    }
+  }
 }
 
 TEST_CASE("Matching ends when it is told to") {
