@@ -190,10 +190,10 @@ class Harmoniser {
   }
 
   void adjustCameras(const TriangleMesh& mesh, HtmReport::Adjustment& line) {
-    const std::vector<AdjustedCamera> adjusted =
-        adjustedCameras(mesh, views_, members_,
-                        consensusOffsets(mesh, views_, members_, matches_,
-                                         {.smoothness = options_.adjustSmoothness, .outlierPx = options_.outlierPx}));
+    const std::vector<AdjustedCamera> adjusted = adjustedCameras(
+        mesh, views_, members_,
+        consensusOffsets(mesh, views_, members_, matches_,
+                         {.smoothness = options_.adjustSmoothness, .outlierPx = options_.outlierPx}, progress_));
     const std::size_t n = mesh.positions.size();
     std::vector<glm::vec2> shifts(views_.size() * n, glm::vec2(0.0f));  // of vertices, by the cameras' moves
     for (std::size_t i = 0; i < views_.size(); ++i) {

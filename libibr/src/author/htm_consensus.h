@@ -23,9 +23,10 @@ struct ConsensusOptions {
 };
 
 /// What the offsets of a mesh's vertices are: b_i of vertex v at [i·n_v + v], px of picture i; 0 where i is no member.
+/// `progress` reports sweeps; throws Error{cancelled}.
 std::vector<glm::vec2> consensusOffsets(const TriangleMesh& mesh, std::span<const HtmView> views,
                                         std::span<const CameraSet> members, std::span<const VertexMatch> matches,
-                                        const ConsensusOptions& options);
+                                        const ConsensusOptions& options, const ProgressCallback& progress = {});
 
 /// The complements b_i − J_ij b_j that follow, at complementIndex.
 std::vector<glm::vec2> consistentComplements(const TriangleMesh& mesh, std::span<const HtmView> views,

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/htm_complements.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "author/htm_consensus.h"
 #include "htm_object.h"
+#include "support/error_of.h"
 #include "support/test_meshes.h"
 
 namespace ibr {
@@ -229,6 +231,53 @@ TEST_CASE("Matches of nothing, or of no displacement, leave no offsets") {
     CHECK((std::isfinite(b.x) && std::isfinite(b.y)));
   for (const glm::vec2& c : consistentComplements(planted.mesh, turned, planted.members, planted.offsets))
     CHECK(c == glm::vec2(0));
+}
+
+TEST_CASE("Offsets are told how far they are, and end when they are told to") {
+  const Planted planted;
+  std::vector<std::size_t> told;
+  std::size_t last = 1000;
+  const ProgressCallback progress = [&](const Progress& p) {
+    CHECK(p.total == 120);
+    told.push_back(p.done);
+    return p.done < last;
+  };
+  const auto offsets = [&](const ProgressCallback& to) {
+    return consensusOffsets(planted.mesh, planted.views, planted.members, planted.matches, {}, to);
+  };
+  CHECK(offsets(progress) == offsets({}));
+  CHECK(told.size() == 120);
+  CHECK(std::ranges::is_sorted(told));
+  for (const std::size_t stop : {0, 7}) {
+    told.clear();
+    last = stop;
+    CHECK(test::errorOf([&] { offsets(progress); }).code() == ErrorCode::cancelled);
+    CHECK(told.size() == stop + 1);
+  }
+}
+
+TEST_CASE("A pair's matches both ways count, and each by itself") {
+  const Planted planted;
+  const std::size_t n = planted.mesh.positions.size(), v = 40;
+  std::vector<CameraSet> members(n, 0);
+  members[v] = 3;
+  // One vertex, one match of 2 px against a prior of 16 px² in each of two offsets: each takes its share of it.
+  const auto offsetsOf = [&](bool there, bool back) {
+    std::vector<VertexMatch> matches(9 * n);
+    if (there) matches[planted.at(0, 1, v)] = {glm::vec2(2, 0), glm::vec3(25, 0, 25), 0};
+    if (back) matches[planted.at(1, 0, v)] = {glm::vec2(-2, 0), glm::vec3(25, 0, 25), 0};
+    return consensusOffsets(planted.mesh, planted.views, members, matches, {.sweeps = 400});
+  };
+  for (const auto& [there, back] : {std::pair(true, false), {false, true}, {true, true}}) {
+    INFO(there << " " << back);
+    const std::vector<glm::vec2> b = offsetsOf(there, back);
+    CHECK(b[v].x > 0.5);
+    CHECK(b[n + v].x < -0.5);
+    const glm::dvec2 apart = glm::dvec2(b[v]) - planted.through(1, 0, v, b[n + v]);
+    CHECK(apart.x == Approx(2).margin(0.1));
+    CHECK(std::abs(apart.y) < 0.03);
+  }
+  for (const glm::vec2& b : offsetsOf(false, false)) CHECK(b == glm::vec2(0));
 }
 
 }  // namespace ibr
