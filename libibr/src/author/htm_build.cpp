@@ -212,7 +212,8 @@ class Harmoniser {
 
   void reshape(TriangleMesh& mesh, HtmReport::Adjustment& line) const {
     TriangleMesh moved = displaced(
-        mesh, normalDisplacements(mesh, views_, members_, matches_, {options_.shapeSmoothness, options_.outlierPx}));
+        mesh, normalDisplacements(mesh, views_, members_, matches_,
+                                  {options_.shapeSmoothness, options_.outlierPx, options_.threads}, progress_));
     for (std::size_t v = 0; v < mesh.positions.size(); ++v)
       line.moved += glm::distance(moved.positions[v], mesh.positions[v]) / double(mesh.positions.size());
     mesh = std::move(moved);

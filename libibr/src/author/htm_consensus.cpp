@@ -175,7 +175,7 @@ class Consensus {
   std::vector<Claim> claims_;
   std::vector<Partner> partners_;             // lists, one for each camera of each vertex; …
   std::vector<std::size_t> firstPartner_{0};  // … where they begin, and one more
-  std::vector<std::uint32_t> claimAt_;  // of a vertex: n_c × n_c
+  std::vector<std::uint32_t> claimAt_;        // of a vertex: n_c × n_c
   Lists neighbours_;
   std::span<const CameraSet> members_;
   const ConsensusOptions& options_;

@@ -10,6 +10,8 @@
 #include "author/cv_view.h"
 #include "author/htm_adjacency.h"
 #include "author/htm_trust.h"
+#include "author/parallel.h"
+#include "base/check.h"
 
 namespace ibr {
 
@@ -78,11 +80,17 @@ cv::Mat distanceToBorder(const Image8& mask) {
   return outside - inside;
 }
 
-// Adds what outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near.
-void addOutlines(const TriangleMesh& mesh, const HtmView& view, std::vector<std::vector<Claim>>& claims) {
+struct Outlined {
+  std::size_t vertex;
+  Claim claim;
+};
+
+// What a view's outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near.
+std::vector<Outlined> outlinesOf(const TriangleMesh& mesh, const HtmView& view) {
   constexpr double kFarthest = 12, kWorth = 40;  // px; 1 / px²
   const cv::Mat distance = distanceToBorder(view.mask);
-  if (distance.empty()) return;
+  std::vector<Outlined> outlined;
+  if (distance.empty()) return outlined;
   const PinholeView pinhole(view.camera);
   const MeshRaster raster = rasterised(mesh, view.camera);
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
@@ -105,21 +113,36 @@ void addOutlines(const TriangleMesh& mesh, const HtmView& view, std::vector<std:
     const auto moved = pinhole.seen(mesh.positions[v] + normals[v] * step);
     if (std::abs(off) > kFarthest || !(length > 0) || !moved) continue;
     outwards /= length;
-    claims[v].push_back({(moved->pixel - here->pixel) / step, -off * outwards,
-                         kWorth * glm::dvec3(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y)});
+    const glm::dvec3 across(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y);
+    outlined.push_back({v, {(moved->pixel - here->pixel) / step, -off * outwards, kWorth * across}});
   }
+  return outlined;
 }
 
 }  // namespace
 
 std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<const HtmView> views,
                                         std::span<const CameraSet> members, std::span<const VertexMatch> matches,
-                                        const ShapeOptions& options) {
-  constexpr int kSweeps = 100;
+                                        const ShapeOptions& options, const ProgressCallback& progress) {
+  constexpr std::size_t kSweeps = 100;
+  const auto wanted = [&](std::size_t done) {
+    return !progress || progress({"settling the shape", done, views.size() + kSweeps});
+  };
+  constexpr const char* kStopped = "stopped while the shape settled";
   const std::size_t n = mesh.positions.size();
   const Lists neighbours = neighboursOfVertices(mesh);
   std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, matches);
-  for (const HtmView& view : views) addOutlines(mesh, view, claims);
+  std::vector<std::vector<Outlined>> outlines(views.size());
+  double mostPixels = 0;
+  for (const HtmView& view : views)
+    mostPixels = std::max(mostPixels, double(view.camera.intrinsics.width) * view.camera.intrinsics.height);
+  constexpr double kBytesAPixel = 24;  // of distances, masks and the mesh that is drawn
+  const bool finished = runJobs(
+      views.size(), threadsFor(options.threads, mostPixels * kBytesAPixel),
+      [&](std::size_t i) { outlines[i] = outlinesOf(mesh, views[i]); }, wanted);
+  check(finished, ErrorCode::cancelled, kStopped);
+  for (const std::vector<Outlined>& outlined : outlines)
+    for (const Outlined& o : outlined) claims[o.vertex].push_back(o.claim);
   std::vector<double> scale(n, 0), displacement(n, 0);  // scale: px² per unit²
   double typical = 0, known = 0;
   for (std::size_t v = 0; v < n; ++v) {
@@ -128,7 +151,8 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
   }
   if (known == 0) return displacement;
   typical /= known;
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
+  for (std::size_t sweep = 0; sweep < kSweeps; ++sweep) {
+    check(wanted(views.size() + sweep), ErrorCode::cancelled, kStopped);
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t v = sweep % 2 == 0 ? k : n - 1 - k;
       double weight = 0, side = 0;
@@ -142,6 +166,7 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
       for (const std::uint32_t u : neighbours[v]) weight += smooth, side += smooth * displacement[u];
       if (weight > 0) displacement[v] = side / weight;
     }
+  }
   return displacement;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "htm_object.h"
+#include "support/error_of.h"
 #include "support/test_meshes.h"
 
 namespace ibr {
@@ -110,10 +111,33 @@ TEST_CASE("Outlines are drawn to the masks' borders") {
     return sum / double(said.positions.size());
   };
   CHECK(mean() == Approx(1 - size).margin(0.015));
+  CHECK(normalDisplacements(said, views, members, matches, {1, 2, 1}) ==
+        normalDisplacements(said, views, members, matches, {1, 2, 3}));
   for (HtmView& view : views) view.mask = {};
   CHECK(mean() == 0);
   for (HtmView& view : views) view.mask = Image8(200, 200, 1, 255);
   CHECK(mean() == 0);
+}
+
+TEST_CASE("Settling the shape tells how far it is, and ends when it is told to") {
+  const Wall wall([](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); });
+  std::size_t last = 1000, calls = 0;
+  const auto found = [&] {
+    return normalDisplacements(wall.said, wall.views, wall.members, wall.matches, {1, 2}, [&](const Progress& p) {
+      CHECK(p.done < p.total);
+      CHECK(p.total == 103);
+      ++calls;
+      return p.done < last;
+    });
+  };
+  CHECK(found() == wall.found(1));
+  CHECK(calls >= 101);
+  for (const std::size_t stop : {0, 3, 50}) {
+    last = stop;
+    calls = 0;
+    CHECK(test::errorOf([&] { found(); }).code() == ErrorCode::cancelled);
+    CHECK((stop > 0 || calls == 1));  // it does not ask again
+  }
 }
 
 TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to its mask") {
