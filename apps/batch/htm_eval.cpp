@@ -65,11 +65,12 @@ std::vector<HtmVerdict> againstTruth(const Options& options, const HtmModel& mod
   return verdicts;
 }
 
-// A camera as it was given, with its picture; what is visible of the object is its mask.
+// A camera as it was given, with its picture. Where there were masks, what is visible of the object is its mask; else
+// what is visible is what the mesh covers, to which this camera's own picture has contributed.
 HtmPhotograph photographOf(const HtmModel& model, std::size_t i) {
   HtmPicture picture = readHtmPicture(model, i);
   HtmPhotograph photograph{model.cameras[i], std::move(picture.photograph), {}};
-  if (!picture.visibility.empty()) photograph.mask = threshold(picture.visibility, 1);
+  if (!picture.visibility.empty() && htmHasMasks(model.settings)) photograph.mask = threshold(picture.visibility, 1);
   if (photograph.camera.given) photograph.camera.camera = *photograph.camera.given;
   photograph.camera.given.reset();
   return photograph;
@@ -90,16 +91,20 @@ class LeaveOneOut {
     HtmSettings settings = options_.settings;
     if (options_.keepMesh) {
       settings.exclude |= CameraSet(1) << i;
-      return HtmJudge(model_, device, [&](const HtmModel&, std::size_t k) {
-               return HtmPicture{photographs_[k].picture, readHtmPicture(model_, k).visibility};
-             }).judge(view, settings);
+      return HtmJudge(model_, device,
+                      [&](const HtmModel&, std::size_t k) {
+                        return HtmPicture{photographs_[k].picture, readHtmPicture(model_, k).visibility};
+                      })
+          .judge(view, settings);
     }
     std::vector<HtmPhotograph> others = photographs_;
     others.erase(others.begin() + std::ptrdiff_t(i));
     const HtmResult rebuilt = harmonise(model_.source->mesh, others, optimise_, progress);
-    return HtmJudge(rebuilt.model, device, [&](const HtmModel&, std::size_t k) {
-             return HtmPicture{others[k].picture, rebuilt.visibility[k]};
-           }).judge(view, settings);
+    return HtmJudge(rebuilt.model, device,
+                    [&](const HtmModel&, std::size_t k) {
+                      return HtmPicture{others[k].picture, rebuilt.visibility[k]};
+                    })
+        .judge(view, settings);
   }
 
  private:
@@ -140,7 +145,8 @@ std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& mo
       return progress.show({"leaving one out", done, chosen.size()});
     }));
     context.say(LogLevel::info, "{}: htm {:.2f} dB, vdtbm {:.2f}, vdvbm {:.2f}", verdicts.back().name,
-                verdicts.back().score[kHtm].psnr, verdicts.back().score[kVdtbm].psnr, verdicts.back().score[kVdvbm].psnr);
+                verdicts.back().score[kHtm].psnr, verdicts.back().score[kVdtbm].psnr,
+                verdicts.back().score[kVdvbm].psnr);
   }
   return verdicts;
 }
@@ -250,13 +256,16 @@ const Command kHtmEvalCommand{
         "ibr htm eval model --truth held-out -o comparison --json -\n"
         "ibr htm eval model --leave-one-out --poses exact/sparse --views cam03.jpg cam07.jpg",
     .details =
-        "HTM draws the model; VDTBM, photographs blended as they are, and VDVBM, colours of vertices, draw the mesh as it\n"
+        "HTM draws the model; VDTBM, photographs blended as they are, and VDVBM, colours of vertices, draw the mesh as "
+        "it\n"
         "was given with the cameras as they were given. A fourth column is VDTBM with the cameras that harmonising\n"
         "adjusted: what of the gain is theirs. All have the same weights, visibility and masks.\n"
-        "--leave-one-out makes the model anew without each photograph, and views it from its camera as that was given,\n"
+        "--leave-one-out makes the model anew without each photograph, and views it from its camera as that was "
+        "given,\n"
         "or as --poses has it. --truth DIR has images/, a COLMAP model in sparse/ and perhaps masks/.\n"
-        "PSNR and SSIM are over the object's pixels, those of the mask; what is not drawn counts as black. 'Covered' is\n"
-        "over what all methods draw of it.\n"
+        "PSNR and SSIM are over the object's pixels, those of the mask; what is not drawn counts as black. 'Covered' "
+        "is\n"
+        "over what all methods draw of it; without masks the other figures are, too.\n"
         "-o writes psnr.svg, and for each view a row: photograph, VDVBM, VDTBM, HTM.",
     .afterInterrupt = "Nothing was reported; run the same command again, with --views for a part of it.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

@@ -10,7 +10,7 @@ namespace {
 
 void declareHtmOptions(CLI::App& app, HtmOptions& o) {
   addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000,
-                        "The mesh is reduced until its mean face is the surface divided by this; 0: not by shape");
+                        "The mesh is reduced to so many faces; 0: not by shape");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
          "Rounds in which cameras and shape settle on what pictures agree on; 0: as they are given, the paper's way");
   app.add_flag_callback(

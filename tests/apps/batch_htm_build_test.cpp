@@ -198,6 +198,34 @@ TEST_CASE("htm eval leaves each photograph out") {
   CHECK(report["views"][0]["htm"]["psnr"] < truth["views"][0]["htm"]["psnr"]);
 }
 
+TEST_CASE("With its defaults harmonising does no worse than blending, with masks and without") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  REQUIRE(runProgram({"synth", "moving", "-o", folder / "frames", "--frames", "1", "--size", "256x256", "-q"}).code ==
+          0);
+  const fs::path frame = folder / "frames/frame0000";
+  for (const bool masked : {true, false}) {
+    INFO(masked);
+    std::vector<std::string> build{"htm",     "build",          "--mesh",   frame / "mesh.ply",
+                                   "--model", frame / "sparse", "--images", frame / "images",
+                                   "-o",      folder / "model"};
+    if (masked) build.insert(build.end(), {"--masks", frame / "masks"});
+    REQUIRE(runProgram(build).code == 0);
+    const auto compared = runProgram({"htm", "eval", folder / "model", "--truth", frame / "truth", "--json", "-"});
+    REQUIRE(compared.code == 0);
+    const json mean = json::parse(compared.out).at("mean");
+    for (const char* figure : {"psnr", "psnrCovered"}) {
+      const double htm = mean.at("htm").at(figure), blended = mean.at("vdtbm").at(figure);
+      CHECK(htm > blended - 0.2);
+    }
+    // Without masks a photograph's own outline must not say what counts when it is left out.
+    const auto left = runProgram({"htm", "eval", folder / "model", "--leave-one-out", "--keep-mesh", "--json", "-"});
+    REQUIRE(left.code == 0);
+    const json htm = json::parse(left.out).at("mean").at("htm");
+    CHECK((htm.at("psnr") == htm.at("psnrCovered")) == !masked);
+  }
+}
+
 TEST_CASE("htm eval says what it needs") {
   const Built& once = built();
   const auto bare = runProgram({"htm", "eval", once.model});

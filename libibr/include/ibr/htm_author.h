@@ -19,7 +19,7 @@ namespace ibr {
 /// How a mesh becomes a harmonised model. Differences are D_f of [H] eq. 4, levels.
 struct HtmOptions {
   // Alg. 1
-  std::size_t faces = 5000;      // shape is reduced until the mean face is the surface's area divided by this; 0: not
+  std::size_t faces = 5000;      // shape is reduced to so many, which sets the size of the mean face; 0: not
   double inconsistentSize = 4;   // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
   double inconsistentDifference = 12;  // of faces that are inconsistent
   double inconsistentShare = 0.1;     // of the faces: at most so many collapses
@@ -52,6 +52,9 @@ struct HtmOptions {
   MakeTemplateSearch search;       // who matches templates; none: the processor
   int threads = 0;                 // 0 = all cores
 };
+
+/// Whether a model's `settings` tell that its photographs came with masks; true where they say nothing.
+bool htmHasMasks(const std::string& settings);
 
 /// The options that a model's `settings` tell; those it does not tell are the defaults. Throws Error{invalidInput} where
 /// one has another type or is no such number.
@@ -107,7 +110,7 @@ struct HtmResult {
   std::vector<Stage> stages;
 };
 
-/// Deterministic. Throws Error: invalidInput (more cameras than a model holds, sizes that differ, options out of range,
+/// Deterministic. Throws Error: invalidInput (cameras that no model may hold, sizes that differ, options out of range,
 /// pictures of more than 32767 px a side, a mesh that no camera sees or that is not finite or whose indices are out of
 /// range), cancelled, and what the search throws.
 HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> photographs, const HtmOptions& options,

@@ -38,7 +38,7 @@ struct HtmCamera {
   Camera camera;                     // a pinhole; intrinsics are those of the undistorted picture at its stored size
   std::filesystem::path imageFile;   // JPEG or PNG, relative to the model's folder
   /// Grey PNG of the picture's size, relative to the model's folder: how much each pixel may be trusted to show the
-  /// mesh, 0 (background, or across a self-occlusion edge) to 255. Empty: all of it.
+  /// mesh, 0 (background) to 255, least at edges at which the mesh hides itself. Empty: all of it.
   std::filesystem::path visibilityFile;
   /// The camera before it was adjusted to the others, of the same size, for methods to compare with; none: as it is.
   std::optional<Camera> given = std::nullopt;

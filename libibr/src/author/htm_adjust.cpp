@@ -113,16 +113,18 @@ double rms(double squares, const Points& points) {
 
 AdjustedCamera adjusted(const Camera& camera, const Points& points) {
   constexpr std::size_t kLeastPoints = 40;
-  AdjustedCamera result{camera, 0, 0, false};
-  if (points.world.size() < kLeastPoints) return result;
+  AdjustedCamera result{camera};
+  if (points.world.empty()) return result;
   const glm::dquat turn = glm::conjugate(camera.pose.rotation);
   const Placed before{camera.intrinsics, turn, turn * (points.origin - camera.pose.position)};
   result.beforePx = result.afterPx = rms(normalEquations(before, points).squares, points);
+  result.known = points.world.size() >= kLeastPoints;
+  if (!result.known) return result;
   const Placed after = fitted(before, points);
   const double afterPx = rms(normalEquations(after, points).squares, points);
   if (!(afterPx < result.beforePx)) return result;
   const glm::dquat rotation = glm::conjugate(after.turn);
-  return {{after.k, {points.origin - rotation * after.shift, rotation}}, result.beforePx, afterPx, true};
+  return {{after.k, {points.origin - rotation * after.shift, rotation}}, result.beforePx, afterPx, true, true};
 }
 
 }  // namespace

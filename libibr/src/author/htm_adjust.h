@@ -13,6 +13,7 @@ struct AdjustedCamera {
   Camera camera;
   double beforePx = 0, afterPx = 0;  // RMS distance between where it sees the vertices and where it should
   bool adjusted = false;             // false: too few vertices, or no better
+  bool known = false;                // enough vertices to tell
 };
 
 /// Cameras that see each vertex `offsets` px (consensusOffsets: n_c × n_v) from where those given do, as well as a pose

@@ -153,6 +153,7 @@ class Harmoniser {
       members_ = vertexVisibility(mesh, now.faces);
       match(mesh, now);
       solve(mesh);
+      near_ = true;
       const std::vector<double> without = differences(mesh, now, {}), with = differences(mesh, now, complements_);
       EvaluatedFaces evaluated;
       if (round < options_.rounds && mesh.triangles.size() < options_.mostFaces)
@@ -182,14 +183,17 @@ class Harmoniser {
       match(mesh, now);
       HtmReport::Adjustment& line = result_.report.adjustments.emplace_back();
       timed("settling", [&] {
-        adjustCameras(mesh, line);
-        if (options_.reshape) reshape(mesh, line);
+        const std::size_t known = adjustCameras(mesh, line);
+        near_ = known == views_.size();
+        // Else the shape would make up for what is the cameras' fault.
+        if (options_.reshape && known > 0) reshape(mesh, line);
         return 0;
       });
     }
   }
 
-  void adjustCameras(const TriangleMesh& mesh, HtmReport::Adjustment& line) {
+  // How many cameras have enough vertices for it.
+  std::size_t adjustCameras(const TriangleMesh& mesh, HtmReport::Adjustment& line) {
     const std::vector<AdjustedCamera> adjusted = adjustedCameras(
         mesh, views_, members_,
         consensusOffsets(mesh, views_, members_, matches_,
@@ -208,6 +212,7 @@ class Harmoniser {
     // What the cameras now explain is no longer the shape's.
     const std::vector<glm::vec2> explained = consistentComplements(mesh, views_, members_, shifts);
     for (std::size_t k = 0; k < matches_.size(); ++k) matches_[k].displacement -= explained[k];
+    return std::size_t(std::ranges::count(adjusted, true, &AdjustedCamera::known));
   }
 
   void reshape(TriangleMesh& mesh, HtmReport::Adjustment& line) const {
@@ -222,7 +227,7 @@ class Harmoniser {
   void match(const TriangleMesh& mesh, const Looked& now) {
     VertexMatchOptions how;
     how.measure = options_.measure;
-    how.radius = searches_++ == 0 ? options_.radius : options_.laterRadius;
+    how.radius = near_ ? options_.laterRadius : options_.radius;
     how.leastTexture = options_.leastTexture;
     how.threads = options_.threads;
     const MakeTemplateSearch search = options_.search ? options_.search : processorTemplateSearch;
@@ -277,7 +282,7 @@ class Harmoniser {
   BuildJobs jobs_;
   std::vector<HtmView> views_;
   double meanFaceArea_ = 0;  // of the mesh that is reduced by shape
-  int searches_ = 0;         // so far
+  bool near_ = false;        // matches lie near where they are looked for
   std::vector<CameraSet> members_;
   std::vector<VertexMatch> matches_;
   std::vector<glm::vec2> complements_;  // also the start of the next round's

@@ -50,9 +50,16 @@ void checkHtmMesh(const TriangleMesh& mesh) {
 void checkHtmPhotographs(std::span<const HtmPhotograph> photographs) {
   check(!photographs.empty() && photographs.size() <= kLargestHtmCameraCount, ErrorCode::invalidInput,
         "harmonise: {} cameras, not 1 to {}", photographs.size(), kLargestHtmCameraCount);
+  HtmModel model;
+  for (const HtmPhotograph& p : photographs) {
+    check(p.camera.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput, "{}: is no pinhole",
+          p.camera.name);
+    model.cameras.push_back(p.camera);
+  }
+  if (const std::vector<Fault> faults = validate(model, 1); !faults.empty())
+    fail(ErrorCode::invalidInput, "harmonise: {} {}", faults[0].field, faults[0].message);
   for (const HtmPhotograph& p : photographs) {
     const Intrinsics& k = p.camera.camera.intrinsics;
-    check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "{}: is no pinhole", p.camera.name);
     check(std::max(k.width, k.height) <= std::numeric_limits<std::int16_t>::max(), ErrorCode::invalidInput,
           "{}: {} × {} px, more than templates count", p.camera.name, k.width, k.height);  // TemplateSample
     check(p.picture.channels == 3 && p.picture.width == k.width && p.picture.height == k.height,

@@ -11,6 +11,7 @@
 #include "ibr/author.h"
 #include "ibr/htm_author.h"
 #include "io/image_file.h"
+#include "scene/htm_model_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -80,6 +81,24 @@ Input readInput(const HtmBuildOptions& options, const LogCallback& log) {
   return input;
 }
 
+fs::path visibilityFile(const std::string& name) {
+  return fs::path("visibility") / (name + ".png");
+}
+
+// Throws Error{invalidInput} where the model would be written over what it is made from.
+void checkInputStays(const Input& input, const HtmBuildOptions& options) {
+  const auto demandOther = [&](const fs::path& from, const fs::path& to) {
+    std::error_code ignored;
+    check(!fs::equivalent(from, options.output / to, ignored), ErrorCode::invalidInput,
+          "{}: the output would overwrite it; name another folder for that", from.string());
+  };
+  demandOther(options.mesh, kHtmModelFileName);
+  for (const Photograph& file : input.files) {
+    checkNotOverwritten(file, options.output);
+    if (!options.masks.empty()) demandOther(maskFile(options.masks, file.name), visibilityFile(file.name));
+  }
+}
+
 }  // namespace
 
 std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
@@ -91,9 +110,9 @@ std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildO
 HtmResult buildHtm(const HtmBuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
   checkFolderWritable(options.output);
   Input input = readInput(options, log);
-  for (const Photograph& file : input.files) checkNotOverwritten(file, options.output);
+  checkInputStays(input, options);
   for (HtmPhotograph& photograph : input.photographs)
-    photograph.camera.visibilityFile = fs::path("visibility") / (photograph.camera.name + ".png");
+    photograph.camera.visibilityFile = visibilityFile(photograph.camera.name);
   HtmResult result = harmonise(input.mesh, input.photographs, options.optimise, progress);
   for (std::size_t i = 0; i < input.files.size(); ++i) {
     storePicture(input.files[i], options.output);

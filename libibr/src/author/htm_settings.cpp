@@ -41,6 +41,7 @@ void forSettings(Options& o, Visit&& visit) {
   visit("softPx", o.softPx);
 }
 
+constexpr const char* kMasks = "masks";
 constexpr const char* kMeasure = "measure";
 constexpr const char* kCorrelation = "ncc";
 constexpr const char* kDifferences = "sad";
@@ -61,9 +62,15 @@ bool fits(const Json& json) {
 
 std::string htmSettingsText(const HtmBuildOptions& options) {
   Json json{{"maxSize", options.maxSize},
+            {kMasks, !options.masks.empty()},
             {kMeasure, options.optimise.measure == TemplateMeasure::correlation ? kCorrelation : kDifferences}};
   forSettings(options.optimise, [&](const char* name, const auto& value) { json[name] = value; });
   return json.dump();
+}
+
+bool htmHasMasks(const std::string& settings) {
+  const Json json = Json::parse(settings, nullptr, false);
+  return !json.is_object() || json.value(kMasks, Json(true)) != Json(false);
 }
 
 HtmOptions htmOptionsOf(const std::string& settings) {

@@ -38,18 +38,39 @@ double product(const glm::dvec2& a, const glm::dvec3& w, const glm::dvec2& b) {
   return a.x * (w.x * b.x + w.y * b.y) + a.y * (w.y * b.x + w.z * b.y);
 }
 
-// The claims of each vertex's pairs.
+// The cameras on whose outline of the mesh, or of a part of it, each vertex lies.
+std::vector<CameraSet> outlinesOf(const TriangleMesh& mesh, std::span<const HtmView> views) {
+  std::vector<CameraSet> outlines(mesh.positions.size(), 0);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const glm::dvec3 centre = PinholeView(views[i].camera).centre();
+    std::vector<CameraSet> front(mesh.positions.size(), 0), back = front;  // whether a face at it is seen from there
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::dvec3& a = mesh.positions[t.x];
+      const glm::dvec3 normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
+      for (int k = 0; k < 3; ++k) (glm::dot(normal, centre - a) > 0 ? front : back)[t[k]] = 1;
+    }
+    for (std::size_t v = 0; v < outlines.size(); ++v) outlines[v] |= (front[v] & back[v]) << i;
+  }
+  return outlines;
+}
+
+// The claims of each vertex's pairs. Without a mask what is matched at an outline is half background, and claims
+// nothing.
 std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<const HtmView> views,
-                                         std::span<const CameraSet> members, std::span<const VertexMatch> matches) {
+                                         std::span<const CameraSet> members, std::span<const CameraSet> outlines,
+                                         std::span<const VertexMatch> matches) {
   constexpr double kLeastCosine = 0.26;
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
   std::vector<PinholeView> pinholes;
   for (const HtmView& view : views) pinholes.emplace_back(view.camera);
   std::vector<std::vector<Claim>> claims(n);
-  for (std::size_t v = 0; v < n; ++v)
+  CameraSet unmasked = 0;
+  for (std::size_t i = 0; i < cameras; ++i) unmasked |= CameraSet(views[i].mask.empty()) << i;
+  for (std::size_t v = 0; v < n; ++v) {
+    const CameraSet mute = outlines[v] & unmasked;
     for (std::size_t j = 0; j < cameras; ++j) {
-      if (!(members[v] >> j & 1)) continue;
+      if (!((members[v] & ~mute) >> j & 1)) continue;
       const glm::dvec3 away = mesh.positions[v] - pinholes[j].centre();
       const double distance = glm::length(away), cosine = -glm::dot(normals[v], away) / distance;
       if (!(cosine > kLeastCosine)) continue;
@@ -58,13 +79,14 @@ std::vector<std::vector<Claim>> claimsOf(const TriangleMesh& mesh, std::span<con
       const glm::dvec3 moved = mesh.positions[v] - away * (step / (distance * cosine));
       for (std::size_t i = 0; i < cameras; ++i) {
         const VertexMatch& match = matches[(i * cameras + j) * n + v];
-        if (i == j || match.information == glm::vec3(0.0f)) continue;
+        if (i == j || (mute >> i & 1) || match.information == glm::vec3(0.0f)) continue;
         const auto here = pinholes[i].seen(mesh.positions[v]), there = pinholes[i].seen(moved);
         if (here && there)
-          claims[v].push_back({(there->pixel - here->pixel) / step, glm::dvec2(match.displacement),
-                               glm::dvec3(match.information)});
+          claims[v].push_back(
+              {(there->pixel - here->pixel) / step, glm::dvec2(match.displacement), glm::dvec3(match.information)});
       }
     }
+  }
   return claims;
 }
 
@@ -80,41 +102,49 @@ cv::Mat distanceToBorder(const Image8& mask) {
   return outside - inside;
 }
 
+// A claim about the distance across an outline alone.
+glm::dvec3 across(const glm::dvec2& outwards, double worth) {
+  return worth * glm::dvec3(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y);
+}
+
 struct Outlined {
   std::size_t vertex;
   Claim claim;
 };
 
-// What a view's outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near.
-std::vector<Outlined> outlinesOf(const TriangleMesh& mesh, const HtmView& view) {
+// What a view's outlines say: a vertex on the mesh's outline lies on the mask's border, if that is near. Without a mask
+// nobody knows where the outline lies; it stays.
+std::vector<Outlined> outlineClaims(const TriangleMesh& mesh, const HtmView& view, std::size_t camera,
+                                    std::span<const CameraSet> outlines) {
   constexpr double kFarthest = 12, kWorth = 40;  // px; 1 / px²
   const cv::Mat distance = distanceToBorder(view.mask);
   std::vector<Outlined> outlined;
-  if (distance.empty()) return outlined;
+  if (distance.empty() && !view.mask.empty()) return outlined;
   const PinholeView pinhole(view.camera);
   const MeshRaster raster = rasterised(mesh, view.camera);
   const std::vector<glm::dvec3> normals = vertexNormals(mesh);
-  std::vector<int> sides(mesh.positions.size(), 0);  // bit 0: a face at it is seen from the front, bit 1: from the back
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3& a = mesh.positions[t.x];
-    const glm::dvec3 normal = glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a);
-    for (int k = 0; k < 3; ++k) sides[t[k]] |= glm::dot(normal, pinhole.centre() - a) > 0 ? 1 : 2;
-  }
-  for (std::size_t v = 0; v < sides.size(); ++v) {
-    const auto here = sides[v] == 3 ? pinhole.seen(mesh.positions[v]) : std::nullopt;
+  for (std::size_t v = 0; v < outlines.size(); ++v) {
+    const auto here = outlines[v] >> camera & 1 ? pinhole.seen(mesh.positions[v]) : std::nullopt;
     if (!here || !raster.shows(here->pixel, here->depth, 5e-3)) continue;
     const glm::dvec2 p = here->pixel;
+    const double step = 1e-4 * here->depth;
+    const auto moved = pinhole.seen(mesh.positions[v] + normals[v] * step);
+    if (!moved) continue;
+    const glm::dvec2 along = (moved->pixel - p) / step;
+    if (view.mask.empty()) {
+      if (const double length = glm::length(along); length > 0)
+        outlined.push_back({v, {along, glm::dvec2(0), across(along / length, kWorth)}});
+      continue;
+    }
     if (!(p.x >= 4 && p.y >= 4 && p.x < distance.cols - 4 && p.y < distance.rows - 4)) continue;  // cut by the border
     const int x = int(p.x), y = int(p.y);
     const double off = distance.at<float>(y, x);
     glm::dvec2 outwards(distance.at<float>(y, x + 2) - distance.at<float>(y, x - 2),
                         distance.at<float>(y + 2, x) - distance.at<float>(y - 2, x));
-    const double length = glm::length(outwards), step = 1e-4 * here->depth;
-    const auto moved = pinhole.seen(mesh.positions[v] + normals[v] * step);
-    if (std::abs(off) > kFarthest || !(length > 0) || !moved) continue;
+    const double length = glm::length(outwards);
+    if (std::abs(off) > kFarthest || !(length > 0)) continue;
     outwards /= length;
-    const glm::dvec3 across(outwards.x * outwards.x, outwards.x * outwards.y, outwards.y * outwards.y);
-    outlined.push_back({v, {(moved->pixel - here->pixel) / step, -off * outwards, kWorth * across}});
+    outlined.push_back({v, {along, -off * outwards, across(outwards, kWorth)}});
   }
   return outlined;
 }
@@ -131,18 +161,19 @@ std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<cons
   constexpr const char* kStopped = "stopped while the shape settled";
   const std::size_t n = mesh.positions.size();
   const Lists neighbours = neighboursOfVertices(mesh);
-  std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, matches);
-  std::vector<std::vector<Outlined>> outlines(views.size());
+  const std::vector<CameraSet> outlines = outlinesOf(mesh, views);
+  std::vector<std::vector<Claim>> claims = claimsOf(mesh, views, members, outlines, matches);
+  std::vector<std::vector<Outlined>> outlined(views.size());
   double mostPixels = 0;
   for (const HtmView& view : views)
     mostPixels = std::max(mostPixels, double(view.camera.intrinsics.width) * view.camera.intrinsics.height);
   constexpr double kBytesAPixel = 24;  // of distances, masks and the mesh that is drawn
   const bool finished = runJobs(
       views.size(), threadsFor(options.threads, mostPixels * kBytesAPixel),
-      [&](std::size_t i) { outlines[i] = outlinesOf(mesh, views[i]); }, wanted);
+      [&](std::size_t i) { outlined[i] = outlineClaims(mesh, views[i], i, outlines); }, wanted);
   check(finished, ErrorCode::cancelled, kStopped);
-  for (const std::vector<Outlined>& outlined : outlines)
-    for (const Outlined& o : outlined) claims[o.vertex].push_back(o.claim);
+  for (const std::vector<Outlined>& ofView : outlined)
+    for (const Outlined& o : ofView) claims[o.vertex].push_back(o.claim);
   std::vector<double> scale(n, 0), displacement(n, 0);  // scale: px² per unit²
   double typical = 0, known = 0;
   for (std::size_t v = 0; v < n; ++v) {

@@ -21,7 +21,7 @@ struct ShapeOptions {
 
 /// How far each vertex moves along its outward normal, world units; 0 where nothing was matched around. Cameras look at
 /// the vertex by more than 15 degrees from its tangent plane, else they do not count. Vertices on the mesh's outline in
-/// a view with a mask are drawn to the mask's border as well, if that is within 12 px.
+/// a view with a mask are drawn to the mask's border as well, if that is within 12 px; in a view without one they stay.
 /// `progress` reports views and sweeps; throws Error{cancelled}.
 std::vector<double> normalDisplacements(const TriangleMesh& mesh, std::span<const HtmView> views,
                                         std::span<const CameraSet> members, std::span<const VertexMatch> matches,

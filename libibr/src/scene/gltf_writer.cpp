@@ -24,6 +24,14 @@ std::uint64_t hashOf(std::span<const std::byte> bytes) {
   return hash;
 }
 
+// Whether addBuffer may have named a file so.
+bool isBufferName(const std::string& name) {
+  constexpr std::size_t kDigits = 16, kEnd = 4;  // of the hash; of ".bin"
+  if (name.size() < kDigits + kEnd + 1 || !name.ends_with(".bin") || name[name.size() - kDigits - kEnd - 1] != '-')
+    return false;
+  return name.substr(name.size() - kDigits - kEnd, kDigits).find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
 Json cameraOf(const Intrinsics& k, const std::string& name) {
   constexpr double kNear = 0.01;  // glTF demands one; it means nothing here
   return {{"name", name},
@@ -129,7 +137,8 @@ std::string GltfWriter::document(const char* extensionName, Json extension) {
 void GltfWriter::removeStaleBuffers(const std::string& subfolder) const {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / subfolder, ignored))
-    if (entry.path().extension() == ".bin" && !buffers_.contains(fs::path(subfolder) / entry.path().filename()))
+    if (isBufferName(entry.path().filename().string()) &&
+        !buffers_.contains(fs::path(subfolder) / entry.path().filename()))
       fs::remove(entry.path(), ignored);
 }
 

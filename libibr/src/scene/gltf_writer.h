@@ -50,7 +50,8 @@ class GltfWriter {
   /// The document's text; lists and the extension's lists have a line for each entry.
   std::string document(const char* extensionName, Json extension);
 
-  /// Removes the .bin files in a subfolder that this document does not use: those of what was saved there before.
+  /// Removes the files in a subfolder that are named as addBuffer names them and that this document does not use: those
+  /// of what was saved there before.
   void removeStaleBuffers(const std::string& subfolder) const;
 
  private:

@@ -46,6 +46,17 @@ TEST_CASE("Nothing is made of what cannot be") {
   by[4].camera.camera.intrinsics.model = CameraModel::equirectangular;
   refused(mesh, by, good, by[4].camera.name);
   by = photographs;
+  by[3].camera.camera.intrinsics.fx = std::nan("");
+  refused(mesh, by, good, "cameras[3].camera");
+  by[3].camera.camera.intrinsics.fx = 0;
+  refused(mesh, by, good, "cameras[3].camera");
+  by = photographs;
+  by[5].camera.camera.pose.rotation *= 2.0;
+  refused(mesh, by, good, "cameras[5].camera");
+  by[5].camera.camera.pose = photographs[5].camera.camera.pose;
+  by[5].camera.name = by[2].camera.name;
+  refused(mesh, by, good, "twice");
+  by = photographs;
   by[0].camera.camera.intrinsics.width = 40000;
   by[0].camera.camera.intrinsics.height = 1;
   by[0].picture = Image8(40000, 1, 3);

@@ -89,6 +89,24 @@ TEST_CASE("Cameras that are wrong are bent until pictures agree, or put right") 
   }
 }
 
+TEST_CASE("Too few vertices to adjust cameras by, and all is matched as if nobody had tried") {
+  test::BumpyOptions coarse;
+  coarse.cameras = 6;
+  coarse.disagreement = 0;
+  coarse.longitudes = 8;
+  coarse.latitudes = 5;
+  const test::BumpyModel bumpy = test::bumpyModel(coarse);
+  const auto photographs = disturbed(test::photographsOf(bumpy));
+  HtmOptions options = plainOptions();
+  options.laterRadius = 1;
+  const HtmResult asGiven = harmonise(bumpy.model.surface.mesh, photographs, options);
+  options.adjustRounds = 2;
+  const HtmResult adjusted = harmonise(bumpy.model.surface.mesh, photographs, options);
+  CHECK(adjusted.report.adjustments[0].beforePx > 0.3);
+  CHECK(adjusted.report.adjustments[0].moved == 0);
+  CHECK(adjusted.model.complements == asGiven.model.complements);
+}
+
 TEST_CASE("Faces are merged and divided as options say, and all of it is reported") {
   const auto photographs = disturbed(test::photographsOf(theBody()));
   HtmOptions options = plainOptions();

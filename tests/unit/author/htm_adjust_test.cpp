@@ -65,7 +65,12 @@ TEST_CASE("A camera of too few vertices, or of none, stays as it is") {
     CHECK(found[i].camera.pose.position == views[i].camera.pose.position);
     CHECK(found[i].camera.intrinsics == views[i].camera.intrinsics);
     CHECK(std::isfinite(found[i].afterPx));
+    CHECK(!found[i].known);
   }
+  CHECK(found[0].beforePx == Approx(std::sqrt(5)));  // it is told all the same
+  CHECK(found[0].afterPx == found[0].beforePx);
+  members[39] |= 1;
+  CHECK(adjustedCameras(mesh, views, members, offsets)[0].known);
   // All vertices at one place: nothing to hold on to.
   TriangleMesh point;
   point.positions.assign(50, glm::dvec3(0.1));

@@ -182,6 +182,14 @@ TEST_CASE("An output that cannot be written is refused before anything is comput
     files.options.maxSize = 80;
     CHECK_THAT(refusal().what(), Catch::Contains("overwrite"));
   }
+  SECTION("for the mesh, and for masks") {
+    buildHtm(files.options);
+    files.options.mesh = files.options.output / "model.gltf";
+    CHECK_THAT(refusal().what(), Catch::Contains("model.gltf") && Catch::Contains("overwrite"));
+    files.options.mesh = files.folder / "mesh.obj";
+    files.options.masks = files.options.output / "visibility";
+    CHECK_THAT(refusal().what(), Catch::Contains("camera0.png") && Catch::Contains("overwrite"));
+  }
   CHECK(steps == 0);
 }
 

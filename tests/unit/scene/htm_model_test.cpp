@@ -169,12 +169,14 @@ TEST_CASE("Saving again leaves no buffer of what was there before") {
   first.source = first.surface;
   saveHtmModel(first, folder.path());
   CHECK(test::contentsBelow(folder.path()).size() == 4);
-  writeFile(folder / "meshes/notes.txt", "kept");
+  for (const char* other : {"notes.txt", "scan.bin", "scan-0123456789abcdef.txt", "scan-0123456789abcdeg.bin",
+                            "scan_0123456789abcdef.bin", "0123456789abcdef.bin"})
+    writeFile(folder / "meshes" / other, "kept");
   HtmModel second = model(2, test::flatGrid(2));
   second.complements.clear();
   saveHtmModel(second, folder.path());
   const auto contents = test::contentsBelow(folder.path());
-  CHECK(contents.size() == 3);
+  CHECK(contents.size() == 8);
   CHECK(contents.contains("meshes/notes.txt"));
 }
 
