@@ -46,9 +46,9 @@ struct HtmSettings {
                                  // more are not looked at; 0 <= cut < 1
   double depthTolerance = 0.005;  // of the mesh's radius, > 0, to which a pixel's width is added: so far behind what a
                                   // camera sees a point counts in full; at twice that it is hidden
-  double smoothSeconds = 0;       // time constant with which log weights follow the view; 0: at once
+  double smoothSeconds = 0;       // time constant with which log weights follow the view; 0: at once, infinity: never
   CameraSet exclude = 0;          // cameras that are not used at all
-  glm::vec3 background{0.0f};     // display-encoded, where nothing is drawn
+  glm::vec3 background{0.0f};     // display-encoded, finite, where nothing is drawn
 };
 
 /// What planning needs to know of the mesh, computed once.
@@ -61,7 +61,7 @@ HtmBounds htmBounds(const HtmModel& model);
 struct HtmInput {
   Camera view;  // a pinhole
   HtmSettings settings;
-  double dtSeconds = 0;  // since the frame before, for smoothSeconds
+  double dtSeconds = 0;  // since the frame before, for smoothSeconds; finite, below 0 counts as 0
 };
 
 /// What a plan remembers of the frame before. Start from {}.
@@ -91,7 +91,8 @@ struct HtmFramePlan {
 };
 
 /// Eq. 5. Pure. Preconditions: validate(model) is empty. Throws Error{invalidInput} that names the field for a view
-/// that is no valid pinhole and for settings out of range.
+/// that is no valid pinhole, settings out of range, a time, bounds or weights of the state that are not finite: what a
+/// plan hands on is finite, whatever came in. A state of another number of cameras counts as {}.
 HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
                           const HtmState& state = {});
 

@@ -17,7 +17,7 @@
 namespace ibr {
 namespace {
 
-void checkInput(const HtmInput& input) {
+void checkInput(const HtmBounds& bounds, const HtmInput& input) {
   Faults faults(1);
   checkCamera(input.view, "view", faults);
   const std::vector<Fault> found = faults.take();
@@ -31,12 +31,23 @@ void checkInput(const HtmInput& input) {
   inRange("weightCut (0 to below 1)", s.weightCut >= 0 && s.weightCut < 1, s.weightCut);
   inRange("depthTolerance (above 0)", s.depthTolerance > 0 && std::isfinite(s.depthTolerance), s.depthTolerance);
   inRange("smoothSeconds (0 or more)", s.smoothSeconds >= 0, s.smoothSeconds);
+  for (int c = 0; c < 3; ++c) inRange("background (finite)", std::isfinite(s.background[c]), s.background[c]);
+  check(std::isfinite(input.dtSeconds), ErrorCode::invalidInput, "dtSeconds is {}", input.dtSeconds);
+  check(finite(bounds.middle), ErrorCode::invalidInput, "bounds.middle is not finite");
+  check(bounds.radius > 0 && std::isfinite(bounds.radius), ErrorCode::invalidInput, "bounds.radius is {}",
+        bounds.radius);
+}
+
+void checkState(const std::vector<double>& logWeights) {
+  for (std::size_t i = 0; i < logWeights.size(); ++i)
+    check(std::isfinite(logWeights[i]) && logWeights[i] <= 0, ErrorCode::invalidInput, "state.logWeights[{}] is {}", i,
+          logWeights[i]);
 }
 
 glm::dvec3 directionOf(const Pose& pose, const HtmBounds& bounds, HtmDirection direction) {
-  const glm::dvec3 towards = bounds.middle - pose.position;
+  const glm::dvec3 towards = 0.5 * bounds.middle - 0.5 * pose.position;  // halves: their difference is always finite
   // From within a thousandth of the radius "towards the middle" means nothing.
-  const bool aimed = direction == HtmDirection::middle && glm::length(towards) > 1e-3 * bounds.radius;
+  const bool aimed = direction == HtmDirection::middle && glm::length(towards) > 0.5e-3 * bounds.radius;
   return aimed ? towards : viewAxis(pose);
 }
 
@@ -68,7 +79,7 @@ HtmBounds htmBounds(const HtmModel& model) {
 
 HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const HtmInput& input,
                           const HtmState& state) {
-  checkInput(input);
+  checkInput(bounds, input);
   HtmFramePlan plan{.view = input.view, .settings = input.settings, .bounds = bounds, .cameras = {}, .next = {}};
   std::vector<glm::dvec3> directions;
   for (const HtmCamera& camera : model.cameras)
@@ -76,6 +87,7 @@ HtmFramePlan planHtmFrame(const HtmModel& model, const HtmBounds& bounds, const 
   std::vector<double> logs =
       htmLogWeights(directions, directionOf(input.view.pose, bounds, input.settings.direction), input.settings.gamma);
   if (state.logWeights.size() == logs.size()) {
+    checkState(state.logWeights);
     const double share = shareOfWay(input);
     for (std::size_t i = 0; i < logs.size(); ++i) logs[i] = std::lerp(state.logWeights[i], logs[i], share);
     const double largest = *std::ranges::max_element(logs);

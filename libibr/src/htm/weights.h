@@ -15,7 +15,7 @@ namespace ibr {
 
 /// Logarithms of eq. 5 for one direction each, relative to the largest (which is 0). Always finite: what looks exactly
 /// the other way counts as cos²(θ/2) = 10⁻³⁰, so that cameras that are all behind weigh the same. Directions of any
-/// length > 0.
+/// finite length > 0.
 std::vector<double> htmLogWeights(std::span<const glm::dvec3> directions, glm::dvec3 viewDirection, double gamma);
 
 }  // namespace ibr

@@ -105,12 +105,59 @@ TEST_CASE("a plan names what is wrong with its input", "[htm]") {
     CHECK_THAT(message({.depthTolerance = tolerance}), Catch::Contains("depthTolerance"));
   for (const double seconds : {-1.0, nan})
     CHECK_THAT(message({.smoothSeconds = seconds}), Catch::Contains("smoothSeconds"));
+  for (int c = 0; c < 3; ++c)
+    for (const float value : {float(nan), HUGE_VALF, -HUGE_VALF}) {
+      HtmSettings settings;
+      settings.background[c] = value;
+      CHECK_THAT(message(settings), Catch::Contains("background"));
+    }
   Camera view = viewAt(0);
   view.intrinsics.fx = nan;
   CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("view"));
   view = viewAt(0);
   view.intrinsics = {CameraModel::equirectangular, 64, 32};
   CHECK_THAT(errorOf([&] { planFor(view); }).what(), Catch::Contains("pinhole"));
+}
+
+TEST_CASE("nothing that is not finite gets into a plan's state", "[htm]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), most = std::numeric_limits<double>::max();
+  const HtmState state = planFor(viewAt(0)).next;
+  for (const double smooth : {0.0, 0.5, HUGE_VAL})
+    for (const double dt : {nan, HUGE_VAL, -HUGE_VAL})
+      CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothSeconds = smooth}, state, dt); }).what(),
+                 Catch::Contains("dtSeconds"));
+  for (const double wrong : {nan, HUGE_VAL, -HUGE_VAL, 1e-9}) {
+    HtmState broken = state;
+    broken.logWeights[7] = wrong;
+    CHECK_THAT(errorOf([&] { planFor(viewAt(2), {.smoothSeconds = 0.5}, broken, 0.1); }).what(),
+               Catch::Contains("state.logWeights[7]"));
+  }
+  const auto within = [&](const HtmBounds& bounds) { planHtmFrame(bumpy().model, bounds, {viewAt(2), {}}); };
+  for (const double wrong : {nan, HUGE_VAL}) {
+    CHECK_THAT(errorOf([&] { within({{0, wrong, 0}, 1}); }).what(), Catch::Contains("bounds.middle"));
+    CHECK_THAT(errorOf([&] { within({{0, 0, 0}, wrong}); }).what(), Catch::Contains("bounds.radius"));
+  }
+  for (const double wrong : {0.0, -1.0})
+    CHECK_THAT(errorOf([&] { within({{0, 0, 0}, wrong}); }).what(), Catch::Contains("bounds.radius"));
+
+  const auto finiteAll = [](const HtmFramePlan& plan) {
+    return std::ranges::all_of(plan.next.logWeights, [](double log) { return std::isfinite(log) && log <= 0; });
+  };
+  for (const double smooth : {0.0, std::numeric_limits<double>::denorm_min(), 0.5, most, HUGE_VAL})
+    for (const double dt : {-most, -1.0, 0.0, 1.0, most})
+      CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = smooth}, state, dt)));
+  // Never, and before the frame before: weights stay.
+  CHECK(planFor(viewAt(2), {.smoothSeconds = HUGE_VAL}, state, most).next.logWeights == state.logWeights);
+  CHECK(planFor(viewAt(2), {.smoothSeconds = 0.5}, state, -1).next.logWeights == state.logWeights);
+  for (const double far : {1e160, most}) {
+    Camera view = viewAt(0);
+    view.pose.position = {far, -far, far};
+    CHECK(finiteAll(planFor(view)));
+    CHECK(finiteAll(planHtmFrame(bumpy().model, {{-far, far, -far}, 1}, {view, {}})));
+  }
+  HtmState deep = state;
+  deep.logWeights.assign(deep.logWeights.size(), -most);
+  CHECK(finiteAll(planFor(viewAt(2), {.smoothSeconds = 0.5}, deep, 0.1)));
 }
 
 TEST_CASE("bounds hold the mesh", "[htm]") {
