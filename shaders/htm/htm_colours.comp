@@ -6,6 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "htm/htm_project.glsl"
 #include "htm/htm_blend.glsl"
+#include "htm/htm_vertex.glsl"
 
 layout(local_size_x = kHtmGroupSize) in;
 
@@ -17,7 +18,7 @@ layout(set = 0, binding = kBindingHtmColours, scalar) writeonly buffer Colours {
 };
 
 void main() {
-  const uint v = gl_GlobalInvocationID.x;
+  const uint v = htmVertex();
   if (v >= frame.vertexCount) return;
   uvec2 left = ranked[v];
   const vec4 position = vec4(positions[v], 1.0);

@@ -8,6 +8,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/htm.h"
 #include "htm/htm_blend.glsl"
+#include "htm/htm_vertex.glsl"
 
 layout(local_size_x = kHtmGroupSize) in;
 
@@ -28,7 +29,7 @@ layout(push_constant, scalar) uniform Frame {
 };
 
 void main() {
-  const uint v = gl_GlobalInvocationID.x, i = gl_WorkGroupID.y;
+  const uint v = htmVertex(), i = gl_WorkGroupID.y;
   if (v >= frame.vertexCount) return;
   uvec2 left = ranked[v];
   const uint first = cameras[i].camera * frame.cameraCount * frame.vertexCount + v;

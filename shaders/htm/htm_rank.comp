@@ -6,6 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/htm.h"
 #include "htm/htm_blend.glsl"
+#include "htm/htm_vertex.glsl"
 
 layout(local_size_x = kHtmGroupSize) in;
 
@@ -23,7 +24,7 @@ layout(push_constant, scalar) uniform Frame {
 };
 
 void main() {
-  const uint v = gl_GlobalInvocationID.x;
+  const uint v = htmVertex();
   if (v >= frame.vertexCount) return;
   const uvec2 mine = members[v];
   uvec2 inOrder = uvec2(0u);

@@ -73,12 +73,16 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
   BumpyModel bumpy = bumpyModel();
   bumpy.model.surface.members[7] = 0;
   const HtmStage stage(std::move(bumpy));
+  // Groups in a row: as many as there are, or rows of them, the last not full.
+  const std::uint32_t most = GENERATE(0xffffffffu, 1u, 3u);
+  const std::uint32_t groups = (std::uint32_t(stage.model().vertexCount()) + 63) / 64;
+  REQUIRE(groups > 3);
   for (const double gamma : {1.0, 50.0, 1000.0})
     for (const double angle : {0.0, 0.5, 3.0}) {
       // What is cut off at a sum that is just so large is a matter of rounding.
       const HtmFramePlan plan = stage.plan(ringCamera({}, angle), {.gamma = gamma, .weightCut = 0});
       const HtmFrameSet set(testDevice(), stage.gpuModel().state());
-      const HtmCoordinatesPass pass(testDevice(), set);
+      const HtmCoordinatesPass pass(testDevice(), set, most);
       submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
         set.update(commands, plan);
         pass.record(commands, set, plan);
@@ -93,9 +97,22 @@ TEST_CASE("harmonised coordinates are eq. 6", "[htm]") {
           largest = std::max(largest, glm::length(twin[i][v]));
           error = std::max(error, std::isfinite(got.x + got.y) ? glm::length(got - twin[i][v]) : 1e9);
         }
-      INFO("gamma " << gamma << " angle " << angle);
+      INFO("gamma " << gamma << " angle " << angle << " of " << groups << " groups in a row at most " << most);
       CHECK(largest > 0.5);
       CHECK(error < 1e-3);  // px: exp2 of what is rounded to 24 bits
+    }
+}
+
+TEST_CASE("groups of vertices are folded into rows that a device can dispatch", "[htm]") {
+  for (const std::uint32_t most : {1u, 2u, 65535u, 0x7fffffffu, 0xffffffffu})
+    for (const std::uint32_t groups : {1u, 2u, 3u, 65535u, 65536u, 65537u, 131071u, 1u << 26}) {
+      const glm::uvec2 folded = htmFolded(groups, most);
+      const std::uint64_t sum = std::uint64_t(folded.x) * folded.y;
+      INFO(groups << " groups, " << most << " in a row");
+      CHECK(folded.x <= most);
+      CHECK(sum >= groups);
+      CHECK(sum - groups < folded.y);
+      CHECK(folded.y == (std::uint64_t(groups) + most - 1) / most);
     }
 }
 

@@ -141,6 +141,8 @@ struct HtmRendererOptions {
 /// Records frames. Model and device must outlive it; commands recorded by it must have finished before it is destroyed.
 class HtmRenderer {
  public:
+  /// Throws Error{unsupported} for formats that it cannot write and for models of more vertices than shaders can reach
+  /// (16 bytes each within maxStorageBufferRange), Error{outOfMemory}.
   HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options);
   HtmRenderer(HtmRenderer&&) noexcept;
   HtmRenderer& operator=(HtmRenderer&&) noexcept;

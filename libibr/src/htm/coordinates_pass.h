@@ -3,14 +3,27 @@
 // for HtmMethod::vertexColours its colour.
 #pragma once
 
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <limits>
+
 #include "gpu/handle.h"
 #include "htm/frame_set.h"
 
 namespace ibr {
 
+/// How `groups` are dispatched with at most `most` in a row: groups in a row, and rows. The last row may have some that
+/// are not needed, fewer than there are rows.
+inline glm::uvec2 htmFolded(std::uint32_t groups, std::uint32_t most) {
+  const std::uint32_t rows = groups / most + (groups % most != 0);
+  return {rows == 0 ? 0 : groups / rows + (groups % rows != 0), rows};
+}
+
 class HtmCoordinatesPass {
  public:
-  HtmCoordinatesPass(const Device& device, const HtmFrameSet& set);
+  /// `mostGroups` in a row, at least 1, for tests; never more than the device's maxComputeWorkGroupCount.
+  HtmCoordinatesPass(const Device& device, const HtmFrameSet& set,
+                     std::uint32_t mostGroups = std::numeric_limits<std::uint32_t>::max());
 
   /// Outside a render pass, after HtmFrameSet::update. Waits for earlier frames' reads of what it writes, and makes it
   /// visible to fragment shaders.
@@ -18,6 +31,7 @@ class HtmCoordinatesPass {
 
  private:
   PipelineHandle rank_, harmonise_, colours_;
+  std::uint32_t mostGroups_;
 };
 
 /// Whether photographs are read elsewhere than where a vertex is projected.

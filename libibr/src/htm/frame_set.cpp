@@ -32,13 +32,18 @@ double nearDistanceOf(const HtmFramePlan& plan, const HtmProjection& projection)
 }  // namespace
 
 HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) : model_(&model) {
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  const auto make = [&](VkDeviceSize bytes, const char* name) {
+    checkHtmBuffer(device, bytes, name);
+    return Buffer(
+        device, bytes,
+        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+        MemoryKind::device, name);
+  };
   const VkDeviceSize vertices = std::max(model.vertexCount, 1u), count = model.cameras.size();
-  cameras_ = Buffer(device, count * sizeof(shader::HtmCameraParameters), kUsage, MemoryKind::device, "planned cameras");
-  displacements_ = Buffer(device, count * vertices * sizeof(glm::vec2), kUsage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-                          MemoryKind::device, "harmonised displacements");
-  ranked_ = Buffer(device, vertices * sizeof(glm::uvec2), kUsage, MemoryKind::device, "members in a plan's order");
-  colours_ = Buffer(device, vertices * sizeof(glm::vec4), kUsage, MemoryKind::device, "vertex colours");
+  cameras_ = make(count * sizeof(shader::HtmCameraParameters), "planned cameras");
+  displacements_ = make((model.hasComplements ? count * vertices : 1) * sizeof(glm::vec2), "harmonised displacements");
+  ranked_ = make(vertices * sizeof(glm::uvec2), "members in a plan's order");
+  colours_ = make(vertices * sizeof(glm::vec4), "vertex colours");
 
   std::array<VkDescriptorSetLayoutBinding, shader::kHtmBindingCount> bindings{};
   for (std::uint32_t b = 0; b < bindings.size(); ++b) {

@@ -16,9 +16,7 @@ namespace ibr {
 namespace {
 
 Buffer upload(const Device& device, std::span<const std::byte> bytes, const char* name, Uploader& uploader) {
-  const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
-  check(bytes.size() <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}",
-        name, bytes.size(), most);
+  checkHtmBuffer(device, bytes.size(), name);
   Buffer buffer(device, std::max<std::size_t>(bytes.size(), 4),
                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, name);
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
@@ -96,6 +94,12 @@ const HtmModel& checked(const HtmModel& model) {
 }
 
 }  // namespace
+
+void checkHtmBuffer(const Device& device, std::uint64_t bytes, const char* name) {
+  const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
+  check(bytes <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}", name,
+        bytes, most);
+}
 
 HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture) {
   checkPicture(picture, model.cameras[camera]);

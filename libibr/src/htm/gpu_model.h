@@ -28,6 +28,9 @@ struct GpuHtmModel::State {
   void uploadPhotographs(const Device& device, const HtmModel& model, const HtmPictureSource& source);
 };
 
+/// Throws Error{unsupported} where shaders cannot reach all of a buffer of `bytes`.
+void checkHtmBuffer(const Device& device, std::uint64_t bytes, const char* name);
+
 /// Draws the mesh's depth into every layer of `depths`, submits and waits.
 void drawHtmDepths(const Device& device, const GpuHtmModel::State& model);
 
