@@ -26,6 +26,8 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
             "Levels per px: directions in which colours change less are not matched");
   addDouble(app, "--smoothness", o.smoothness, 0, 1e6,
             "1/px^2: how alike neighbours' complements are; 0: as matched, the paper's way");
+  addDouble(app, "--complement-px", o.complementPx, 0, 1e6,
+            "px that complements are expected to be long, unless matches say more; 0: anything. None with --smoothness 0");
   addDouble(app, "--inconsistent-size", o.inconsistentSize, 0, 1e6,
             "Inconsistent faces are merged until they are so many mean faces large; 0: not");
   addDouble(app, "--inconsistent-difference", o.inconsistentDifference, 0, 255,

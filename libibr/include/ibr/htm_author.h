@@ -34,6 +34,7 @@ struct HtmOptions {
   double laterRadius = 6;   // … and where cameras are adjusted or an earlier round has said where
   double leastTexture = 2;  // levels per px: less in a direction, and nothing is displaced in it
   double smoothness = 10;   // 1 / px², of complements between neighbours (author/htm_complements.h); 0: as matched
+  double complementPx = 0.5;  // how long complements are expected to be (author/htm_complements.h); 0: anything
   double outlierPx = 2;
   double alpha = 0.3, gamma1 = 10;  // of eqs 2 and 3
   // Algs 2, 6 and 7

@@ -239,7 +239,7 @@ class Harmoniser {
   void solve(const TriangleMesh& mesh) {
     complements_ = timed("complements", [&] {
       return complementsOf(mesh, views_.size(), members_, matches_,
-                           {options_.smoothness, options_.outlierPx, options_.threads});
+                           {options_.smoothness, options_.outlierPx, options_.threads, options_.complementPx});
     });
   }
 

@@ -24,6 +24,7 @@ void checkHtmOptions(const HtmOptions& o) {
   inRange("laterRadius", o.laterRadius, 1, 2 * kLargestTemplateRadius);
   inRange("leastTexture", o.leastTexture, 0, 255);
   inRange("smoothness", o.smoothness, 0, 1e6);
+  inRange("complementPx", o.complementPx, 0, 1e6);
   inRange("outlierPx", o.outlierPx, 1e-3, 1e6);
   inRange("alpha", o.alpha, 0, 1);
   inRange("gamma1", o.gamma1, 1e-6, 1e6);

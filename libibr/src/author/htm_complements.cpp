@@ -11,8 +11,8 @@
 namespace ibr {
 namespace {
 
-// One pair's complements minimise Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges, by Gauss-Seidel; w falls
-// as the match m leaves what is around it.
+// One pair's complements minimise Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges + Σ |c|² / complementPx²,
+// by Gauss-Seidel; w falls as the match m leaves what is around it.
 class PairField {
  public:
   PairField(const Lists& neighbours, std::span<const CameraSet> members, CameraSet pair,
@@ -46,7 +46,8 @@ class PairField {
     if (doubted && count > 0) weight = trustOf(match.information, wanted - sum / count, options_.outlierPx);
     const glm::dvec3 w = weight * glm::dvec3(match.information);
     const double s = options_.smoothness;
-    const double xx = w.x + s * count, yy = w.z + s * count, xy = w.y;
+    const double prior = options_.complementPx > 0 ? 1 / (options_.complementPx * options_.complementPx) : 0;
+    const double xx = w.x + s * count + prior, yy = w.z + s * count + prior, xy = w.y;
     const glm::dvec2 side = s * sum + glm::dvec2(w.x * wanted.x + w.y * wanted.y, w.y * wanted.x + w.z * wanted.y);
     const double determinant = xx * yy - xy * xy;
     if (!(determinant > 1e-15 * (xx + yy) * (xx + yy))) return complements[v];

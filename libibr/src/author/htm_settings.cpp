@@ -26,6 +26,7 @@ void forSettings(Options& o, Visit&& visit) {
   visit("laterRadius", o.laterRadius);
   visit("leastTexture", o.leastTexture);
   visit("smoothness", o.smoothness);
+  visit("complementPx", o.complementPx);
   visit("outlierPx", o.outlierPx);
   visit("alpha", o.alpha);
   visit("gamma1", o.gamma1);

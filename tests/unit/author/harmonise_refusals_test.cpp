@@ -73,6 +73,7 @@ TEST_CASE("Nothing is made of what cannot be") {
   refused(mesh, photographs, with([](HtmOptions& o) { o.alpha = 1.1; }), "alpha");
   refused(mesh, photographs, with([](HtmOptions& o) { o.gamma1 = 0; }), "gamma1");
   refused(mesh, photographs, with([](HtmOptions& o) { o.outlierPx = 0; }), "outlierPx");
+  refused(mesh, photographs, with([](HtmOptions& o) { o.complementPx = -1; }), "complementPx");
   refused(mesh, photographs, with([](HtmOptions& o) { o.adjustRounds = -1; }), "adjustRounds");
   refused(mesh, photographs, with([](HtmOptions& o) { o.adjustSmoothness = -1; }), "adjustSmoothness");
   refused(mesh, photographs, with([](HtmOptions& o) { o.leastTexture = HUGE_VAL; }), "leastTexture");

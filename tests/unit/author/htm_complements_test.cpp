@@ -77,6 +77,25 @@ TEST_CASE("A field that is the same everywhere stays, holes are filled, and what
   CHECK(glm::distance(solved[11], wanted) < 0.3);
 }
 
+TEST_CASE("The prior keeps short what matches hardly say, and leaves what they say well") {
+  Field field;
+  const glm::vec2 wanted(0.6f, -0.8f);
+  const auto length = [&](double information, double px, double smoothness = 10) {
+    for (std::size_t v = 0; v < field.n; ++v) field.pair()[v] = {wanted, glm::vec3(information, 0, information), 0};
+    const auto all = complementsOf(field.mesh, 2, field.members, field.matches, {smoothness, 2, 1, px});
+    for (std::size_t v = 1; v < field.n; ++v) CHECK(glm::distance(all[field.n + v], all[field.n]) < 1e-4);
+    CHECK(all[field.n].x / all[field.n].y == Approx(wanted.x / wanted.y));
+    return glm::length(all[field.n]);
+  };
+  CHECK(length(12, 0.5) == Approx(12.0 / (12 + 4)).epsilon(0.02));
+  CHECK(length(1000, 0.5) == Approx(1).epsilon(0.01));
+  CHECK(length(0.1, 0.5) < 0.05);
+  CHECK(length(12, 0) == Approx(1));
+  CHECK(length(12, 1e6) == Approx(1));
+  CHECK(length(12, 1e-9) < 1e-6);
+  CHECK(length(12, 0.5, 0) == Approx(1));  // the paper's way
+}
+
 TEST_CASE("Directions of which matches say nothing are no reason to doubt them") {
   const glm::dvec2 truly(9, 7);
   Field field;
