@@ -31,7 +31,7 @@ HtmPlayer::HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& 
 }
 
 void HtmPlayer::take(std::shared_ptr<const HtmFrame> frame) {
-  pictures_.reset();  // first, so that there is never memory for two
+  uploaded_ = false;
   frame_ = std::move(frame);
   const HtmModel& model = frame_->model;
   check(!onSource_ || model.source.has_value(), ErrorCode::invalidInput,
@@ -58,13 +58,18 @@ void HtmPlayer::upload() {
     device_ = std::make_unique<Device>(Device::create({.device = context_.options().device, .log = context_.log()}));
   double reading = 0;  // seconds
   const Stopwatch watch;
-  pictures_ = std::make_unique<HtmPictures>(*model_, *device_, [&](const HtmModel& model, std::size_t camera) {
+  const HtmPictureSource source = [&](const HtmModel& model, std::size_t camera) {
     if (!frame_->pictures.empty()) return frame_->pictures[camera];
     const Stopwatch file;
     HtmPicture picture = readHtmPicture(model, camera);
     reading += file.seconds();
     return picture;
-  });
+  };
+  if (pictures_)
+    pictures_->show(*model_, source);
+  else
+    pictures_ = std::make_unique<HtmPictures>(*model_, *device_, source);
+  uploaded_ = true;
   shown_.back().upload = 1e3 * (watch.seconds() - reading);
   shown_.back().loading += 1e3 * reading;
 }
@@ -72,7 +77,7 @@ void HtmPlayer::upload() {
 HtmPlayer::Picture HtmPlayer::render(const Camera& view, double seconds, const HtmSettings& settings, HtmState& state,
                                      double dtSeconds) {
   show(seconds);
-  if (!pictures_) upload();
+  if (!uploaded_) upload();
   if (stateOf_ && stateOf_ != model_) state = htmStateFor(*model_, *stateOf_, state);
   stateOf_ = model_;
   Shown& shown = shown_.back();

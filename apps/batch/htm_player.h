@@ -44,8 +44,8 @@ class HtmPlayer {
     std::string name;        // its model's folder
     double loading = 0;      // model and mip levels of pictures from files, of 3D video in the background
     double waiting = 0;      // of that, how long nothing else was done
-    double upload = 0;       // GpuHtmModel
-    double preparation = 0;  // pipelines and targets
+    double upload = 0;       // onto the device
+    double preparation = 0;  // pipelines and targets, of the first frame
     double rendering = 0;    // of all its pictures
     std::size_t pictures = 0;
   };
@@ -65,6 +65,7 @@ class HtmPlayer {
   std::shared_ptr<const HtmModel> stateOf_;  // of the last picture
   std::unique_ptr<Device> device_;
   std::unique_ptr<HtmPictures> pictures_;
+  bool uploaded_ = false;  // whether pictures_ show model_
   std::vector<Shown> shown_;
 };
 

@@ -38,12 +38,19 @@ HtmPictures::HtmPictures(const HtmModel& model, Device& device, const HtmPicture
 
 HtmPictures::HtmPictures(const HtmModel& model, std::unique_ptr<Device> owned, Device* device,
                          const HtmPictureSource& source)
-    : model_(model),
+    : model_(&model),
       owned_(std::move(owned)),
       device_(owned_ ? owned_.get() : device),
       gpuModel_(*device_, model, source),  // throws where the model is not valid
       timer_(*device_, 2) {
   bounds_ = htmBounds(model);
+}
+
+void HtmPictures::show(const HtmModel& model, const HtmPictureSource& source) {
+  gpuModel_.replace(model, source);  // throws where the model is not valid
+  model_ = &model;
+  bounds_ = htmBounds(model);
+  if (renderer_) renderer_->show(gpuModel_);
 }
 
 void HtmPictures::prepare(const Intrinsics& intrinsics) {
@@ -62,7 +69,7 @@ HtmPictures::Picture HtmPictures::render(const Camera& view, const HtmSettings& 
                                          double dtSeconds) {
   Picture picture;
   const auto begin = Clock::now();
-  const HtmFramePlan plan = planHtmFrame(model_, bounds_, {view, settings, dtSeconds}, state);
+  const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, settings, dtSeconds}, state);
   picture.weights = millisecondsSince(begin);
   const auto planned = Clock::now();
   prepare(view.intrinsics);

@@ -24,6 +24,10 @@ class HtmPictures {
   /// The same on a device that is there already and outlives it: for models to compare with.
   HtmPictures(const HtmModel& model, Device& device, const HtmPictureSource& source = readHtmPicture);
 
+  /// Another model in the place of this one, by GpuHtmModel::replace; it must outlive this too. After an exception
+  /// nothing but show() may follow.
+  void show(const HtmModel& model, const HtmPictureSource& source = readHtmPicture);
+
   struct Picture {
     Image8 image;              // RGBA; alpha: covered (HtmRenderer::record)
     double preparation = 0;    // pipelines and targets that were not there yet, ms
@@ -41,14 +45,14 @@ class HtmPictures {
   }
 
   Device& device() { return *device_; }
-  const HtmModel& model() const { return model_; }
+  const HtmModel& model() const { return *model_; }
   GpuHtmModel::Memory memory() const { return gpuModel_.memory(); }
 
  private:
   HtmPictures(const HtmModel& model, std::unique_ptr<Device> owned, Device* device, const HtmPictureSource& source);
   void prepare(const Intrinsics& intrinsics);
 
-  const HtmModel& model_;
+  const HtmModel* model_;
   HtmBounds bounds_;
   std::unique_ptr<Device> owned_;
   Device* device_;

@@ -256,4 +256,61 @@ TEST_CASE("pictures must fit their cameras", "[htm]") {
   CHECK(errorOf([&] { made(bumpy); }).code() == ErrorCode::invalidInput);
 }
 
+TEST_CASE("a model put in another's place is drawn as it is by itself", "[htm]") {
+  const auto view = [](const BumpyOptions& options) {
+    BumpyOptions sized = options;
+    sized.width = 160, sized.height = 120;
+    return ringCamera(sized, 0.4, 0.1);
+  };
+  BumpyModel bare = bumpyModel({.cameras = 4, .longitudes = 30, .latitudes = 20});
+  bare.model.complements.clear();
+  const std::vector<BumpyModel> models{
+      bumpyModel({.disagreement = 0.02}), bumpyModel({.disagreement = 0.04}),  // the same sizes throughout
+      bumpyModel({.cameras = 9, .width = 200, .height = 150, .longitudes = 40, .latitudes = 24}),  // more of all
+      bumpyModel({.cameras = 3, .width = 64, .height = 96, .longitudes = 8, .latitudes = 6}),      // less of all
+      bare};
+  constexpr GpuHtmModelOptions kOptions{.trilinear = true};
+  GpuHtmModel gpuModel(testDevice(), models[0].model, models[0].source(), kOptions);
+  HtmRenderer renderer(testDevice(), gpuModel, {.largest = {160, 120}});
+  Offscreen offscreen(testDevice(), {160, 120});
+  for (const std::size_t m : {0u, 1u, 2u, 3u, 4u, 2u, 0u}) {
+    const BumpyModel& bumpy = models[m];
+    gpuModel.replace(bumpy.model, bumpy.source());
+    renderer.show(gpuModel);
+    const HtmStage alone(bumpy);
+    for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {
+      const HtmFramePlan plan = alone.plan(view(bumpy.options), {.method = method});
+      const Image8 picture =
+          offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+      INFO("model " << m << " method " << int(method));
+      CHECK(coveredShare(picture) > 0.05);
+      CHECK(picture == alone.render(plan));
+    }
+  }
+
+  // What fails leaves something to be replaced.
+  HtmModel invalid = models[1].model;
+  invalid.surface.members[0] = ~CameraSet(0);
+  CHECK(errorOf([&] { gpuModel.replace(invalid, models[1].source()); }).code() == ErrorCode::invalidInput);
+  CHECK(errorOf([&] { gpuModel.replace(models[1].model, models[3].source()); }).code() == ErrorCode::invalidInput);
+  gpuModel.replace(models[1].model, models[1].source());
+  renderer.show(gpuModel);
+  const HtmStage alone(models[1]);
+  const HtmFramePlan plan = alone.plan(view(models[1].options));
+  CHECK(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); }) ==
+        alone.render(plan));
+}
+
+TEST_CASE("copies of a prepared picture share its levels", "[htm]") {
+  const BumpyModel bumpy = bumpyModel();
+  std::vector<HtmPicture> prepared;
+  for (std::size_t i = 0; i < bumpy.pictures.size(); ++i)
+    prepared.push_back(preparedHtmPicture(bumpy.model, i, bumpy.pictures[i]));
+  const std::vector<HtmPicture> copies = prepared;
+  CHECK(copies[2].levels == prepared[2].levels);
+  const HtmStage stage(bumpy), other(bumpy.model, copies);
+  const Camera view = ringCamera(bumpy.options, 0.4);
+  CHECK(stage.render(view) == other.render(view));
+}
+
 }  // namespace ibr::test

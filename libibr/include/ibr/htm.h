@@ -117,6 +117,12 @@ class GpuHtmModel {
   GpuHtmModel& operator=(GpuHtmModel&&) noexcept;
   ~GpuHtmModel();
 
+  /// Puts another model in this one's place, as 3D video goes on: pipelines stay, and images and buffers that it fits
+  /// into, so that little but uploads is left to do; nothing is held twice. Commands that read the model before must
+  /// have finished, and each renderer of it is told by HtmRenderer::show before it records again. Throws what the
+  /// constructor throws; then nothing but replace() or destruction may follow.
+  void replace(const HtmModel& model, const HtmPictureSource& source);
+
   struct Memory {
     std::uint64_t mesh = 0, complements = 0, photographs = 0, depths = 0;  // bytes allocated on the device
     std::uint64_t sum() const noexcept { return mesh + complements + photographs + depths; }
@@ -147,6 +153,11 @@ class HtmRenderer {
   HtmRenderer(HtmRenderer&&) noexcept;
   HtmRenderer& operator=(HtmRenderer&&) noexcept;
   ~HtmRenderer();
+
+  /// Frames from now on are of `model`, which is another one or the same after GpuHtmModel::replace. Pipelines stay.
+  /// Commands recorded before must have finished. Throws what the constructor throws; then nothing but show() or
+  /// destruction may follow.
+  void show(const GpuHtmModel& model);
 
   /// Records one frame of a plan of the same model, outside a render pass; plan.view has the target's extent, at most
   /// `largest`, and the target no depth. Its whole extent is written: alpha is 1 where the mesh is drawn and some

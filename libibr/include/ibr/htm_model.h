@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,7 +69,8 @@ struct HtmModel {
 struct HtmPicture {
   Image8 photograph;  // 3 or 4 channels (alpha is not used), of the camera's size
   Image8 visibility;  // 1 channel of the same size as HtmCamera::visibilityFile says; empty: 255 everywhere
-  std::vector<Image8> levels = {};  // of preparedHtmPicture (ibr/htm.h): then the others are empty
+  // Of preparedHtmPicture (ibr/htm.h): then the others are empty. Copies of a picture share them.
+  std::shared_ptr<const std::vector<Image8>> levels = {};
 };
 using HtmPictureSource = std::function<HtmPicture(const HtmModel& model, std::size_t camera)>;
 

@@ -31,20 +31,7 @@ double nearDistanceOf(const HtmFramePlan& plan, const HtmProjection& projection)
 
 }  // namespace
 
-HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) : model_(&model) {
-  const auto make = [&](VkDeviceSize bytes, const char* name) {
-    checkHtmBuffer(device, bytes, name);
-    return Buffer(
-        device, bytes,
-        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-        MemoryKind::device, name);
-  };
-  const VkDeviceSize vertices = std::max(model.vertexCount, 1u), count = model.cameras.size();
-  cameras_ = make(count * sizeof(shader::HtmCameraParameters), "planned cameras");
-  displacements_ = make((model.hasComplements ? count * vertices : 1) * sizeof(glm::vec2), "harmonised displacements");
-  ranked_ = make(vertices * sizeof(glm::uvec2), "members in a plan's order");
-  colours_ = make(vertices * sizeof(glm::vec4), "vertex colours");
-
+HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) {
   std::array<VkDescriptorSetLayoutBinding, shader::kHtmBindingCount> bindings{};
   for (std::uint32_t b = 0; b < bindings.size(); ++b) {
     const bool image = b == shader::kBindingHtmPhotographs || b == shader::kBindingHtmDepths;
@@ -56,6 +43,20 @@ HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) 
                                      {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2}};
   pool_ = makeDescriptorPool(device, 1, sizes);
   set_ = allocateSet(device, pool_.get(), setLayout_.get());
+  const VkPushConstantRange constants{kStages, 0, sizeof(shader::HtmFrame)};
+  const VkDescriptorSetLayout layouts[]{setLayout_.get()};
+  layout_ = makePipelineLayout(device, layouts, {&constants, 1});
+  show(device, model);
+}
+
+void HtmFrameSet::show(const Device& device, const GpuHtmModel::State& model) {
+  model_ = &model;
+  const VkDeviceSize vertices = std::max(model.vertexCount, 1u), count = model.cameras.size();
+  makeHtmBuffer(device, cameras_, count * sizeof(shader::HtmCameraParameters), "planned cameras");
+  makeHtmBuffer(device, displacements_, (model.hasComplements ? count * vertices : 1) * sizeof(glm::vec2),
+                "harmonised displacements");
+  makeHtmBuffer(device, ranked_, vertices * sizeof(glm::uvec2), "members in a plan's order");
+  makeHtmBuffer(device, colours_, vertices * sizeof(glm::vec4), "vertex colours");
   writeStorageBuffer(device, set_, shader::kBindingHtmPositions, model.positions.get());
   writeStorageBuffer(device, set_, shader::kBindingHtmTriangles, model.triangles.get());
   writeStorageBuffer(device, set_, shader::kBindingHtmMembers, model.members.get());
@@ -67,9 +68,6 @@ HtmFrameSet::HtmFrameSet(const Device& device, const GpuHtmModel::State& model) 
   writeSampledImage(device, set_, shader::kBindingHtmPhotographs, model.photographSampler.get(),
                     model.photographs.view());
   writeSampledImage(device, set_, shader::kBindingHtmDepths, model.depthSampler.get(), model.depths.view());
-  const VkPushConstantRange constants{kStages, 0, sizeof(shader::HtmFrame)};
-  const VkDescriptorSetLayout layouts[]{setLayout_.get()};
-  layout_ = makePipelineLayout(device, layouts, {&constants, 1});
 }
 
 void HtmFrameSet::update(VkCommandBuffer commands, const HtmFramePlan& plan) const noexcept {

@@ -13,6 +13,10 @@ class HtmFrameSet {
  public:
   HtmFrameSet(const Device& device, const GpuHtmModel::State& model);
 
+  /// Binds another model, or the same one after it was replaced. Buffers that are as large already stay; if one cannot
+  /// be made, only show() may follow. Commands recorded before must have finished.
+  void show(const Device& device, const GpuHtmModel::State& model);
+
   /// Writes the plan's cameras; waits for earlier frames' reads and makes its writes visible. Outside a render pass.
   /// Precondition: the plan has a camera.
   void update(VkCommandBuffer commands, const HtmFramePlan& plan) const noexcept;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <memory>
 #include <span>
 
 #include "base/check.h"
@@ -15,12 +16,20 @@
 namespace ibr {
 namespace {
 
-Buffer upload(const Device& device, std::span<const std::byte> bytes, const char* name, Uploader& uploader) {
-  checkHtmBuffer(device, bytes.size(), name);
-  Buffer buffer(device, std::max<std::size_t>(bytes.size(), 4),
-                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, name);
+void upload(const Device& device, Buffer& buffer, std::span<const std::byte> bytes, const char* name,
+            Uploader& uploader) {
+  makeHtmBuffer(device, buffer, bytes.size(), name);
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
-  return buffer;
+}
+
+// An image that is as large already stays.
+void makePages(const Device& device, GpuImage& image, const GpuImageInfo& info, const char* name) {
+  const GpuImageInfo& now = image.info();
+  if (image.get() && now.extent.width == info.extent.width && now.extent.height == info.extent.height &&
+      now.layers == info.layers)
+    return;
+  image = GpuImage();  // first, so that there is never memory for two
+  image = GpuImage(device, info, name);
 }
 
 // That holds every camera's picture.
@@ -82,7 +91,7 @@ SamplerHandle makeSampler(const Device& device, VkFilter filter, VkSamplerMipmap
 
 VkFilter depthFilter(const Device& device) {
   VkFormatProperties properties;
-  vkGetPhysicalDeviceFormatProperties(device.physicalDevice(), VK_FORMAT_R32_SFLOAT, &properties);
+  vkGetPhysicalDeviceFormatProperties(device.physicalDevice(), kHtmDepthMapFormat, &properties);
   const bool linear = properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
   return linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
 }
@@ -95,73 +104,85 @@ const HtmModel& checked(const HtmModel& model) {
 
 }  // namespace
 
-void checkHtmBuffer(const Device& device, std::uint64_t bytes, const char* name) {
+void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, const char* name) {
   const std::uint32_t most = device.properties().limits.maxStorageBufferRange;
   check(bytes <= most, ErrorCode::unsupported, "harmonised model: {} take {} bytes, the device has room for {}", name,
         bytes, most);
+  if (buffer.get() && buffer.size() >= bytes) return;
+  buffer = Buffer();  // first, so that there is never memory for two
+  buffer =
+      Buffer(device, std::max<std::uint64_t>(bytes, 4),
+             VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+             MemoryKind::device, name);
 }
 
 HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPicture picture) {
   checkPicture(picture, model.cameras[camera]);
-  return {{}, {}, buildMips(padded(picture, pageOf(model)))};
+  return {{}, {}, std::make_shared<const std::vector<Image8>>(buildMips(padded(picture, pageOf(model))))};
 }
 
 GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictureSource& source,
                           const GpuHtmModelOptions& options)
-    : bounds(htmBounds(checked(model))),
-      vertexCount(std::uint32_t(model.vertexCount())),
-      triangleCount(std::uint32_t(model.surface.mesh.triangles.size())),
-      hasComplements(!model.complements.empty()) {
-  for (const HtmCamera& camera : model.cameras) {
-    cameras.push_back(camera.camera);
-    nearDistance.push_back(nearDistanceOf(model, camera.camera, bounds.middle));
-  }
+    : device_(&device), depthMaps_(device) {
   const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   photographSampler = makeSampler(
       device, VK_FILTER_LINEAR,
       options.trilinear.value_or(!software) ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST);
   depthSampler = makeSampler(device, depthFilter(device), VK_SAMPLER_MIPMAP_MODE_NEAREST);
-  uploadMesh(device, model);
-  uploadPhotographs(device, model, source);
-  drawHtmDepths(device, *this);
+  replace(model, source);
 }
 
-void GpuHtmModel::State::uploadMesh(const Device& device, const HtmModel& model) {
+void GpuHtmModel::State::replace(const HtmModel& model, const HtmPictureSource& source) {
+  bounds = htmBounds(checked(model));
+  vertexCount = std::uint32_t(model.vertexCount());
+  triangleCount = std::uint32_t(model.surface.mesh.triangles.size());
+  hasComplements = !model.complements.empty();
+  cameras.clear();
+  nearDistance.clear();
+  for (const HtmCamera& camera : model.cameras) {
+    cameras.push_back(camera.camera);
+    nearDistance.push_back(nearDistanceOf(model, camera.camera, bounds.middle));
+  }
+  uploadMesh(model);
+  uploadPhotographs(model, source);
+  depthMaps_.draw(*device_, *this);
+}
+
+void GpuHtmModel::State::uploadMesh(const HtmModel& model) {
   std::vector<glm::vec3> relative;
   for (const glm::dvec3& position : model.surface.mesh.positions) relative.emplace_back(position - bounds.middle);
-  Uploader uploader(device);
-  positions = upload(device, std::as_bytes(std::span(relative)), "positions", uploader);
-  triangles = upload(device, std::as_bytes(std::span(model.surface.mesh.triangles)), "triangles", uploader);
+  Uploader uploader(*device_);
+  upload(*device_, positions, std::as_bytes(std::span(relative)), "positions", uploader);
+  upload(*device_, triangles, std::as_bytes(std::span(model.surface.mesh.triangles)), "triangles", uploader);
   static_assert(std::endian::native == std::endian::little);  // a CameraSet is a uvec2
-  members = upload(device, std::as_bytes(std::span(model.surface.members)), "members", uploader);
-  complements = upload(device, std::as_bytes(std::span(model.complements)), "complements", uploader);
+  upload(*device_, members, std::as_bytes(std::span(model.surface.members)), "members", uploader);
+  upload(*device_, complements, std::as_bytes(std::span(model.complements)), "complements", uploader);
   uploader.flush();
 }
 
-void GpuHtmModel::State::uploadPhotographs(const Device& device, const HtmModel& model,
-                                           const HtmPictureSource& source) {
+void GpuHtmModel::State::uploadPhotographs(const HtmModel& model, const HtmPictureSource& source) {
   const VkExtent2D page = pageOf(model);
   const auto layers = std::uint32_t(cameras.size());
-  photographs = GpuImage(device,
-                         {.format = VK_FORMAT_R8G8B8A8_UNORM,
-                          .extent = page,
-                          .layers = layers,
-                          .mipLevels = std::uint32_t(std::bit_width(std::max(page.width, page.height))),
-                          .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                          .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-                         "photographs of a harmonised model");
-  depths = GpuImage(device,
-                    {.format = VK_FORMAT_R32_SFLOAT,
-                     .extent = page,
-                     .layers = layers,
-                     .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-                     .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
-                    "depths of a harmonised model");
-  Uploader uploader(device);
+  makePages(*device_, photographs,
+            {.format = VK_FORMAT_R8G8B8A8_UNORM,
+             .extent = page,
+             .layers = layers,
+             .mipLevels = std::uint32_t(std::bit_width(std::max(page.width, page.height))),
+             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+             .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+            "photographs of a harmonised model");
+  makePages(*device_, depths,
+            {.format = kHtmDepthMapFormat,
+             .extent = page,
+             .layers = layers,
+             .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+             .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+            "depths of a harmonised model");
+  Uploader uploader(*device_);
   for (std::uint32_t i = 0; i < layers; ++i) {
     HtmPicture picture = source(model, i);
-    if (picture.levels.empty()) picture = preparedHtmPicture(model, i, std::move(picture));
-    const std::vector<Image8>& mips = picture.levels;
+    if (!picture.levels) picture = preparedHtmPicture(model, i, std::move(picture));
+    const std::vector<Image8>& mips = *picture.levels;
     check(mips.size() == photographs.info().mipLevels && mips[0].width == int(page.width) &&
               mips[0].height == int(page.height),
           ErrorCode::invalidInput, "camera '{}': its levels are those of another model", model.cameras[i].name);
@@ -178,6 +199,10 @@ GpuHtmModel::GpuHtmModel(Device& device, const HtmModel& model, const HtmPicture
 GpuHtmModel::GpuHtmModel(GpuHtmModel&&) noexcept = default;
 GpuHtmModel& GpuHtmModel::operator=(GpuHtmModel&&) noexcept = default;
 GpuHtmModel::~GpuHtmModel() = default;
+
+void GpuHtmModel::replace(const HtmModel& model, const HtmPictureSource& source) {
+  state_->replace(model, source);
+}
 
 GpuHtmModel::Memory GpuHtmModel::memory() const noexcept {
   const State& s = *state_;

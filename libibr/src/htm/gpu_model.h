@@ -7,12 +7,14 @@
 #include "gpu/buffer.h"
 #include "gpu/gpu_image.h"
 #include "gpu/handle.h"
+#include "htm/depth_maps.h"
 #include "ibr/htm.h"
 
 namespace ibr {
 
 struct GpuHtmModel::State {
   State(Device& device, const HtmModel& model, const HtmPictureSource& source, const GpuHtmModelOptions& options);
+  void replace(const HtmModel& model, const HtmPictureSource& source);
 
   HtmBounds bounds;
   std::vector<Camera> cameras;
@@ -24,14 +26,15 @@ struct GpuHtmModel::State {
   SamplerHandle photographSampler, depthSampler;
 
  private:
-  void uploadMesh(const Device& device, const HtmModel& model);
-  void uploadPhotographs(const Device& device, const HtmModel& model, const HtmPictureSource& source);
+  void uploadMesh(const HtmModel& model);
+  void uploadPhotographs(const HtmModel& model, const HtmPictureSource& source);
+
+  const Device* device_;
+  HtmDepthMaps depthMaps_;
 };
 
-/// Throws Error{unsupported} where shaders cannot reach all of a buffer of `bytes`.
-void checkHtmBuffer(const Device& device, std::uint64_t bytes, const char* name);
-
-/// Draws the mesh's depth into every layer of `depths`, submits and waits.
-void drawHtmDepths(const Device& device, const GpuHtmModel::State& model);
+/// Makes a storage buffer of at least `bytes`; one that is as large already stays. Throws Error{unsupported} where
+/// shaders could not reach all of it, Error{outOfMemory}: then `buffer` is null.
+void makeHtmBuffer(const Device& device, Buffer& buffer, std::uint64_t bytes, const char* name);
 
 }  // namespace ibr

@@ -10,9 +10,10 @@
 namespace ibr {
 
 struct HtmRenderer::State {
-  State(Device& device, const GpuHtmModel& model, const HtmRendererOptions& options)
-      : largest(options.largest), set(device, model.state()), coordinates(device, set), draw(device, set, options) {}
+  State(Device& on, const GpuHtmModel& model, const HtmRendererOptions& options)
+      : device(&on), largest(options.largest), set(on, model.state()), coordinates(on, set), draw(on, set, options) {}
 
+  const Device* device;
   VkExtent2D largest;
   HtmFrameSet set;
   HtmCoordinatesPass coordinates;
@@ -24,6 +25,10 @@ HtmRenderer::HtmRenderer(Device& device, const GpuHtmModel& model, const HtmRend
 HtmRenderer::HtmRenderer(HtmRenderer&&) noexcept = default;
 HtmRenderer& HtmRenderer::operator=(HtmRenderer&&) noexcept = default;
 HtmRenderer::~HtmRenderer() = default;
+
+void HtmRenderer::show(const GpuHtmModel& model) {
+  state_->set.show(*state_->device, model.state());
+}
 
 void HtmRenderer::record(VkCommandBuffer commandBuffer, const HtmFramePlan& plan, const Target& target,
                          ScopeTimer* timer) const noexcept {

@@ -28,7 +28,8 @@ std::uint64_t HtmFrame::bytes() const {
   if (model.source) sum += bytesOf(*model.source);
   for (const HtmPicture& picture : pictures) {
     sum += picture.photograph.values.size() + picture.visibility.values.size();
-    for (const Image8& level : picture.levels) sum += level.values.size();
+    if (!picture.levels) continue;
+    for (const Image8& level : *picture.levels) sum += level.values.size();
   }
   return sum;
 }

@@ -210,8 +210,8 @@ TEST_CASE("a prepared picture is its levels, with visibility as alpha", "[htm]")
   const HtmPicture picture = bumpy().pictures[0], prepared = preparedHtmPicture(model, 0, picture);
   CHECK(prepared.photograph.empty());
   CHECK(prepared.visibility.empty());
-  REQUIRE(prepared.levels.size() == 6);
-  const Image8& page = prepared.levels[0];
+  REQUIRE(prepared.levels->size() == 6);
+  const Image8& page = prepared.levels->front();
   REQUIRE((page.width == 40 && page.height == 24 && page.channels == 4));
   for (int y = 0; y < 24; ++y)
     for (int x = 0; x < 40; ++x) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "htm/depth_maps.h"
+
 #include <array>
 
 #include "gpu/barrier.h"
@@ -15,6 +17,7 @@
 namespace ibr {
 namespace {
 
+constexpr VkFormat kNearestFormat = VK_FORMAT_D32_SFLOAT;
 constexpr ImageUse kRead{use::kSampled.layout, use::kSampled.stages | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                          use::kSampled.access};
 
@@ -29,29 +32,30 @@ ImageViewHandle layerView(const Device& device, const GpuImage& image, std::uint
 
 }  // namespace
 
-void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
+HtmDepthMaps::HtmDepthMaps(const Device& device) {
   const std::array<VkDescriptorSetLayoutBinding, 2> bindings{
       {{shader::kBindingHtmPositions, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr},
        {shader::kBindingHtmTriangles, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_VERTEX_BIT, nullptr}}};
-  const DescriptorSetLayoutHandle setLayout = makeSetLayout(device, bindings);
+  setLayout_ = makeSetLayout(device, bindings);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2};
-  const DescriptorPoolHandle pool = makeDescriptorPool(device, 1, {&size, 1});
-  const VkDescriptorSet set = allocateSet(device, pool.get(), setLayout.get());
-  writeStorageBuffer(device, set, shader::kBindingHtmPositions, model.positions.get());
-  writeStorageBuffer(device, set, shader::kBindingHtmTriangles, model.triangles.get());
+  pool_ = makeDescriptorPool(device, 1, {&size, 1});
+  set_ = allocateSet(device, pool_.get(), setLayout_.get());
   const VkPushConstantRange constants{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(shader::HtmFrame)};
-  const VkDescriptorSetLayout layouts[]{setLayout.get()};
-  const PipelineLayoutHandle layout = makePipelineLayout(device, layouts, {&constants, 1});
-  constexpr VkFormat kNearestFormat = VK_FORMAT_D32_SFLOAT;
-  const VkFormat format = model.depths.info().format;
-  const PipelineHandle pipeline = makeGraphicsPipeline(device, {.name = "camera depths",
-                                                                .vertex = shaders::htm_depth_vert,
-                                                                .fragment = shaders::htm_depth_frag,
-                                                                .layout = layout.get(),
-                                                                .colourFormats = {&format, 1},
-                                                                .depthFormat = kNearestFormat,
-                                                                .depthTest = true,
-                                                                .depthWrite = true});
+  const VkDescriptorSetLayout layouts[]{setLayout_.get()};
+  layout_ = makePipelineLayout(device, layouts, {&constants, 1});
+  pipeline_ = makeGraphicsPipeline(device, {.name = "camera depths",
+                                            .vertex = shaders::htm_depth_vert,
+                                            .fragment = shaders::htm_depth_frag,
+                                            .layout = layout_.get(),
+                                            .colourFormats = {&kHtmDepthMapFormat, 1},
+                                            .depthFormat = kNearestFormat,
+                                            .depthTest = true,
+                                            .depthWrite = true});
+}
+
+void HtmDepthMaps::draw(const Device& device, const GpuHtmModel::State& model) {
+  writeStorageBuffer(device, set_, shader::kBindingHtmPositions, model.positions.get());
+  writeStorageBuffer(device, set_, shader::kBindingHtmTriangles, model.triangles.get());
   const GpuImage nearest(device,
                          {.format = kNearestFormat,
                           .extent = model.depths.info().extent,
@@ -64,8 +68,8 @@ void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
   submitAndWait(device, [&](VkCommandBuffer commands) {
     transition(commands, model.depths.get(), use::kUndefined, use::kColourAttachment);
     transition(commands, nearest.get(), use::kUndefined, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.get(), 0, 1, &set, 0, nullptr);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_, 0, nullptr);
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Intrinsics& k = model.cameras[i].intrinsics;
       const VkRenderingAttachmentInfo inverseDepth =
@@ -76,7 +80,7 @@ void drawHtmDepths(const Device& device, const GpuHtmModel::State& model) {
       setViewport(commands, {std::uint32_t(k.width), std::uint32_t(k.height)});
       shader::HtmFrame frame{};
       frame.clip = htmClip(htmProjection(model.cameras[i], model.bounds.middle), k, model.nearDistance[i]);
-      vkCmdPushConstants(commands, layout.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof frame, &frame);
+      vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof frame, &frame);
       if (model.triangleCount > 0) vkCmdDraw(commands, 3 * model.triangleCount, 1, 0, 0);
       vkCmdEndRendering(commands);
       transition(commands, nearest.get(), use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
