@@ -11,13 +11,13 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/command.h"
-#include "batch/options.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/statistics.h"
-#include "batch/table.h"
 #include "batch/truth.h"
 #include "io/image_file.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/statistics.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

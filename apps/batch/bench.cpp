@@ -11,15 +11,15 @@
 #include "batch/bench_photographs.h"
 #include "batch/command.h"
 #include "batch/frame_bench.h"
-#include "batch/options.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/scene_renderer.h"
-#include "batch/settings.h"
-#include "batch/statistics.h"
-#include "batch/table.h"
 #include "scene/bench_scene.h"
 #include "shared/auto_path.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/scene_renderer.h"
+#include "shared/settings.h"
+#include "shared/statistics.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

@@ -4,14 +4,14 @@
 
 #include "base/check.h"
 #include "batch/bench_photographs.h"
-#include "batch/progress.h"
-#include "batch/scene_renderer.h"
-#include "batch/statistics.h"
-#include "batch/table.h"
 #include "gpu/scope.h"
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"
 #include "image/ktx2.h"
+#include "shared/progress.h"
+#include "shared/scene_renderer.h"
+#include "shared/statistics.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "base/check.h"
-#include "batch/progress.h"
-#include "batch/table.h"
 #include "ibr/matchers.h"
 #include "io/image_file.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "batch/context.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "batch/context.h"
 #include "ibr/renderer.h"
 #include "shared/camera_path.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

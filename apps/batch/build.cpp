@@ -6,10 +6,10 @@
 
 #include "batch/build_options.h"
 #include "batch/command.h"
-#include "batch/progress.h"
-#include "batch/table.h"
 #include "batch/unused.h"
 #include "ibr/author.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

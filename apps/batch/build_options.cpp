@@ -7,9 +7,9 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/optimise_options.h"
-#include "batch/options.h"
 #include "batch/poses.h"
-#include "batch/settings.h"
+#include "shared/options.h"
+#include "shared/settings.h"
 
 namespace fs = std::filesystem;
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "batch/context.h"
 #include "ibr/author.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

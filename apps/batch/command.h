@@ -5,25 +5,14 @@
 #include <functional>
 #include <span>
 
-#include "batch/context.h"
+#include "shared/context.h"
+#include "shared/exit_code.h"
 
 namespace CLI {
 class App;
 }
 
 namespace ibr::app {
-
-/// Exit codes (ARCHITECTURE §7). 130 is what shells expect of a program that Ctrl-C stopped.
-enum ExitCode : int {
-  kExitOk = 0,
-  kExitCommandLine = 1,
-  kExitIo = 2,
-  kExitInvalidInput = 3,
-  kExitRunTime = 4,
-  kExitUnsupported = 5,
-  kExitComparison = 6,
-  kExitInterrupted = 130,
-};
 
 struct Command {
   const char* name;

@@ -6,11 +6,11 @@
 
 #include "base/check.h"
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/pictures.h"
-#include "batch/table.h"
 #include "ibr/metrics.h"
 #include "io/image_file.h"
+#include "shared/options.h"
+#include "shared/pictures.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/command.h"
-#include "batch/table.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

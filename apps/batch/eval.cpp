@@ -10,11 +10,11 @@
 #include "batch/command.h"
 #include "batch/evaluator.h"
 #include "batch/leave_one_out.h"
-#include "batch/options.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/settings.h"
 #include "batch/truth.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/settings.h"
 
 namespace ibr::app {
 namespace {

@@ -6,11 +6,11 @@
 #include <string_view>
 
 #include "batch/colour_scores.h"
-#include "batch/pictures.h"
 #include "batch/poses.h"
-#include "batch/settings.h"
-#include "batch/table.h"
 #include "io/image_file.h"
+#include "shared/pictures.h"
+#include "shared/settings.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "batch/context.h"
-#include "batch/scene_renderer.h"
 #include "batch/scores.h"
 #include "ibr/baselines.h"
 #include "shared/camera_path.h"
+#include "shared/context.h"
+#include "shared/scene_renderer.h"
 
 namespace ibr::app {
 

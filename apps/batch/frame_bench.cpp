@@ -6,9 +6,9 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "base/check.h"
-#include "batch/scene_renderer.h"
 #include "gpu/scope.h"
 #include "ibr/offscreen.h"
+#include "shared/scene_renderer.h"
 
 namespace ibr::app {
 namespace {

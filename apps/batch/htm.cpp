@@ -3,32 +3,12 @@
 
 #include <array>
 
-#include "batch/options.h"
-
 namespace ibr::app {
 namespace {
 
 constexpr std::array kCommands{&kHtmBuildCommand, &kHtmSequenceCommand, &kHtmRenderCommand, &kHtmEvalCommand};
 
 }  // namespace
-
-const char* htmMethodName(HtmMethod method) {
-  switch (method) {
-    case HtmMethod::harmonised:
-      return "htm";
-    case HtmMethod::blended:
-      return "vdtbm";
-    case HtmMethod::vertexColours:
-      return "vdvbm";
-  }
-  return "";
-}
-
-void declareHtmSettings(CLI::App& app, HtmSettings& settings) {
-  addDouble(app, "--gamma", settings.gamma, 1, 1000, "How much cameras that look as the view does are preferred");
-  addDouble(app, "--weight-cut", settings.weightCut, 0, 0.99,
-            "Cameras that together weigh less than this share are left out");
-}
 
 const Command kHtmCommand{.name = "htm",
                           .summary = "An object as a mesh with photographs that are bent until they agree",

@@ -6,9 +6,9 @@
 #include "batch/htm_options.h"
 #include "batch/htm_report.h"
 #include "batch/htm_stage_pictures.h"
-#include "batch/options.h"
-#include "batch/progress.h"
-#include "batch/table.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

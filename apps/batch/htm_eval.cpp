@@ -11,14 +11,15 @@
 #include "batch/htm.h"
 #include "batch/htm_judge.h"
 #include "batch/htm_options.h"
-#include "batch/options.h"
-#include "batch/pictures.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/table.h"
 #include "batch/truth.h"
 #include "io/image_file.h"
+#include "shared/htm_settings.h"
+#include "shared/options.h"
+#include "shared/pictures.h"
 #include "shared/plot.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include "author/htm_settings.h"
-#include "author/stopwatch.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "batch/file_hash.h"
 #include "batch/htm_report.h"
 #include "batch/poses.h"

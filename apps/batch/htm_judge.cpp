@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "batch/pictures.h"
 #include "ibr/metrics.h"
+#include "shared/pictures.h"
 
 namespace ibr::app {
 namespace {

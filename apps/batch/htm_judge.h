@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batch/htm_renderer.h"
+#include "shared/htm_renderer.h"
 
 namespace ibr::app {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/htm_options.h"
 
-#include "batch/options.h"
 #include "ibr/template_search_pass.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 

@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "batch/context.h"
 #include "ibr/device.h"
 #include "ibr/htm_author.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

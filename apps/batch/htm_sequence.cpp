@@ -9,11 +9,11 @@
 #include "batch/htm.h"
 #include "batch/htm_frames.h"
 #include "batch/htm_options.h"
-#include "batch/options.h"
-#include "batch/progress.h"
-#include "batch/table.h"
 #include "ibr/error.h"
 #include "ibr/htm_sequence.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

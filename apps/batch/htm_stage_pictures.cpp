@@ -11,9 +11,9 @@
 #include "author/htm_views.h"
 #include "author/triangle_mesh_file.h"
 #include "base/file.h"
-#include "batch/pictures.h"
-#include "batch/statistics.h"
 #include "io/image_file.h"
+#include "shared/pictures.h"
+#include "shared/statistics.h"
 
 namespace ibr::app {
 namespace {

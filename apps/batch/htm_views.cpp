@@ -8,14 +8,14 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "batch/htm.h"
-#include "batch/htm_player.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/statistics.h"
 #include "ibr/error.h"
 #include "io/image_file.h"
 #include "shared/auto_path.h"
+#include "shared/htm_player.h"
+#include "shared/htm_settings.h"
+#include "shared/progress.h"
+#include "shared/statistics.h"
 
 namespace fs = std::filesystem;
 
@@ -91,15 +91,7 @@ void printFrames(const HtmPlayer& player, const Context& context) {
 }  // namespace
 
 void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
-  addChoice<HtmMethod>(
-      app, "--method", options.settings.method,
-      {{"htm", HtmMethod::harmonised}, {"vdtbm", HtmMethod::blended}, {"vdvbm", HtmMethod::vertexColours}},
-      "How colours come from photographs [htm]");
-  addChoice<bool>(app, "--mesh", options.onSource, {{"optimised", false}, {"source", true}},
-                  "Which mesh is drawn; the one of before has nothing to harmonise [optimised]");
-  declareHtmSettings(app, options.settings);
-  addDouble(app, "--smooth", options.settings.smoothSeconds, 0, 60,
-            "Along a path, seconds in which weights follow the view");
+  declareHtmPictureSettings(app, options.settings, options.onSource);
   app.add_option_function<std::string>(
          "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
          "Of 3D video: this moment alone, from all poses [that of each pose]")
@@ -158,17 +150,13 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
       shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
       quantile(rasterisation, 0.5));
   if (player.isVideo()) printFrames(player, context);
+  Json settings = htmSettingsJson(options.settings, options.onSource);
+  settings["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
+  settings["time"] = options.time ? Json(*options.time) : Json();
   context.report(Json{{"views", written},
                       {"frames", framesJson(player)},
                       {"device", player.deviceName()},
-                      {"settings",
-                       {{"method", htmMethodName(options.settings.method)},
-                        {"gamma", options.settings.gamma},
-                        {"weightCut", options.settings.weightCut},
-                        {"smooth", options.settings.smoothSeconds},
-                        {"mesh", options.onSource ? "source" : "optimised"},
-                        {"fov", options.fovDegrees > 0 ? Json(options.fovDegrees) : Json()},
-                        {"time", options.time ? Json(*options.time) : Json()}}},
+                      {"settings", settings},
                       {player.isVideo() ? "sequence" : "model", options.model}}
                      .dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "batch/command.h"
-#include "batch/options.h"
 #include "ibr/asset.h"
 #include "ibr/htm.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 

@@ -12,13 +12,13 @@
 #include "base/file.h"
 #include "batch/command.h"
 #include "batch/model_info.h"
-#include "batch/table.h"
 #include "batch/unused.h"
 #include "ibr/asset.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "scene/memory_demand.h"
 #include "shared/graph_svg.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

@@ -9,9 +9,9 @@
 #include "base/file.h"
 #include "batch/file_hash.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/settings.h"
 #include "ibr/author.h"
+#include "shared/progress.h"
+#include "shared/settings.h"
 
 namespace fs = std::filesystem;
 

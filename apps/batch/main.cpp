@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program `ibr`: a table of commands, and the one place where errors become exit codes.
+// The program `ibr`: a table of commands.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <new>
 #include <vector>
 
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/signals.h"
 #include "ibr/error.h"
+#include "shared/options.h"
+#include "shared/signals.h"
 
 namespace ibr::app {
 namespace {
@@ -23,24 +20,6 @@ constexpr std::array kCommands{
     &kBenchCommand,  &kSynthCommand,    &kSplitCommand,    &kHtmCommand,  &kDeviceCommand,
 };
 
-ExitCode exitCodeOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::io:
-      return kExitIo;
-    case ErrorCode::invalidInput:
-      return kExitInvalidInput;
-    case ErrorCode::unsupported:
-      return kExitUnsupported;
-    case ErrorCode::cancelled:
-      return kExitInterrupted;
-    case ErrorCode::outOfMemory:
-    case ErrorCode::deviceLost:
-    case ErrorCode::vulkan:
-      return kExitRunTime;
-  }
-  return kExitRunTime;
-}
-
 // Examples come first: most readers want one of them.
 std::string helpText(const Command& command) {
   std::string text = "Examples:\n  ";
@@ -49,25 +28,6 @@ std::string helpText(const Command& command) {
   if (*command.details) text += fmt::format("\n\n{}", command.details);
   text += '\n';
   return text;
-}
-
-void declareCommon(CLI::App& app, CommonOptions& options) {
-  app.add_option("--json", options.json, "Write the report as JSON to FILE, or - for stdout")->type_name("FILE");
-  app.add_option("--device", options.device, "Vulkan device: its number or a part of its name (ibr device lists them)")
-      ->type_name("NAME");
-  app.add_option_function<std::string>(
-         "--seed",
-         [&options](const std::string& text) { options.seed = std::uint64_t(parsedInt("--seed", text, 0, INT64_MAX)); },
-         "Seed of everything that is drawn at random [1]")
-      ->type_name("N");
-  addInt(app, "--threads", options.threads, 0, 1024, "Threads of the processor; 0 = all of them");
-  app.add_flag("-q,--quiet", options.quiet, "No progress and no messages, only warnings and errors");
-  app.add_flag("-v,--verbose", options.verbose, "More messages");
-}
-
-ExitCode complain(std::string_view what, ExitCode code) {
-  std::fputs(fmt::format("ibr: {}{}\n", levelName(LogLevel::error), what).c_str(), stderr);
-  return code;
 }
 
 struct Declared {
@@ -90,7 +50,7 @@ void declare(CLI::App& parent, const std::string& before, const Command& command
   for (const Command* further : command.commands) declare(*sub, declared.words + ' ', *further, common, all);
   if (command.commands.empty()) {
     declared.action = command.declare(*sub);
-    declareCommon(*sub, common);
+    declareCommonOptions(*sub, common);
   } else {
     sub->require_subcommand(1);
   }
@@ -130,7 +90,8 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     const Declared* sub = chosen();
     const bool unknown = !sub && argc > 1 && argv[1][0] != '-';
-    return complain(fmt::format("{}\nibr: ibr {}--help shows what there is",
+    return complain("ibr",
+                    fmt::format("{}\nibr: ibr {}--help shows what there is",
                                 unknown ? fmt::format("'{}' is no command", argv[1]) : std::string(e.what()),
                                 sub ? sub->words + ' ' : std::string()),
                     kExitCommandLine);
@@ -153,16 +114,5 @@ ExitCode run(int argc, char** argv) {
 }  // namespace ibr::app
 
 int main(int argc, char** argv) {
-  using namespace ibr::app;
-  try {
-    return run(argc, argv);
-  } catch (const ibr::Error& e) {
-    return complain(e.what(), exitCodeOf(e.code()));
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory", kExitRunTime);
-  } catch (const std::filesystem::filesystem_error& e) {
-    return complain(e.what(), kExitIo);
-  } catch (const std::exception& e) {
-    return complain(e.what(), kExitRunTime);
-  }
+  return ibr::app::guarded("ibr", [&] { return ibr::app::run(argc, argv); });
 }

@@ -8,8 +8,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "batch/table.h"
 #include "ibr/htm_sequence.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

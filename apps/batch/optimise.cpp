@@ -8,9 +8,9 @@
 #include "batch/command.h"
 #include "batch/optimise_options.h"
 #include "batch/optimise_pictures.h"
-#include "batch/options.h"
-#include "batch/progress.h"
-#include "batch/table.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

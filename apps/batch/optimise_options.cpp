@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "batch/options.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "batch/context.h"
 #include "ibr/optimise_scene.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

@@ -13,8 +13,8 @@
 #include "author/bilinear.h"
 #include "author/raster.h"
 #include "base/file.h"
-#include "batch/pictures.h"
 #include "io/image_file.h"
+#include "shared/pictures.h"
 
 namespace fs = std::filesystem;
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "batch/options.h"
 #include "ibr/log.h"
 #include "ibr/scene.h"
 #include "shared/camera_path.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 

@@ -11,17 +11,17 @@
 #include "base/check.h"
 #include "batch/command.h"
 #include "batch/htm_views.h"
-#include "batch/options.h"
-#include "batch/pictures.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/scene_renderer.h"
-#include "batch/settings.h"
-#include "batch/signals.h"
 #include "ibr/error.h"
 #include "io/exr.h"
 #include "io/image_file.h"
 #include "shared/auto_path.h"
+#include "shared/options.h"
+#include "shared/pictures.h"
+#include "shared/progress.h"
+#include "shared/scene_renderer.h"
+#include "shared/settings.h"
+#include "shared/signals.h"
 
 namespace fs = std::filesystem;
 

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "batch/colour_scores.h"
-#include "batch/pictures.h"
-#include "batch/table.h"
 #include "ibr/metrics.h"
 #include "ibr/scene.h"
+#include "shared/pictures.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

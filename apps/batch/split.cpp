@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/progress.h"
 #include "ibr/panorama.h"
+#include "shared/options.h"
+#include "shared/progress.h"
 
 namespace ibr::app {
 namespace {

@@ -9,11 +9,11 @@
 #include "base/file.h"
 #include "batch/command.h"
 #include "batch/optimise_options.h"
-#include "batch/options.h"
-#include "batch/progress.h"
-#include "batch/settings.h"
 #include "batch/sweep_kept.h"
 #include "batch/sweep_measure.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/settings.h"
 
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 #include "batch/cell_figures.h"
 #include "batch/file_hash.h"
 #include "batch/optimise_options.h"
-#include "batch/settings.h"
+#include "shared/settings.h"
 
 namespace ibr::app {
 namespace {

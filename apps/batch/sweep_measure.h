@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "batch/context.h"
 #include "batch/evaluator.h"
 #include "batch/sweep_report.h"
 #include "batch/truth.h"
 #include "ibr/optimise_scene.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

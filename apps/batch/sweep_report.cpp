@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "batch/table.h"
 #include "shared/plot.h"
 #include "shared/rank.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "batch/optimise_options.h"
-#include "batch/options.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 namespace {

@@ -12,9 +12,6 @@
 #include "base/file.h"
 #include "batch/colmap_views.h"
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/progress.h"
-#include "batch/settings.h"
 #include "batch/synth_grid.h"
 #include "batch/synth_moving.h"
 #include "image/ktx2.h"
@@ -22,6 +19,9 @@
 #include "io/image_file.h"
 #include "scene/synthetic.h"
 #include "shared/camera_path.h"
+#include "shared/options.h"
+#include "shared/progress.h"
+#include "shared/settings.h"
 
 namespace fs = std::filesystem;
 

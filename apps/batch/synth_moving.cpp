@@ -12,9 +12,9 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/colmap_views.h"
-#include "batch/progress.h"
 #include "io/image_file.h"
 #include "scene/moving_figure.h"
+#include "shared/progress.h"
 
 namespace fs = std::filesystem;
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "batch/command.h"
-#include "batch/options.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/unused.h"
 
-#include "batch/table.h"
+#include "shared/table.h"
 
 namespace ibr::app {
 

@@ -13,18 +13,18 @@
 
 #include "base/check.h"
 #include "batch/command.h"
-#include "batch/options.h"
-#include "batch/pictures.h"
 #include "batch/poses.h"
-#include "batch/progress.h"
-#include "batch/scene_renderer.h"
-#include "batch/settings.h"
-#include "batch/statistics.h"
-#include "batch/table.h"
 #include "batch/union_of_views.h"
 #include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "shared/auto_path.h"
+#include "shared/options.h"
+#include "shared/pictures.h"
+#include "shared/progress.h"
+#include "shared/scene_renderer.h"
+#include "shared/settings.h"
+#include "shared/statistics.h"
+#include "shared/table.h"
 
 namespace fs = std::filesystem;
 

@@ -9,7 +9,7 @@
 #include "author/posed_model.h"
 #include "author/scene_depth.h"
 #include "author/simplex.h"
-#include "author/stopwatch.h"
+#include "base/stopwatch.h"
 
 namespace ibr {
 namespace {

@@ -18,8 +18,8 @@
 #include "author/photographs.h"
 #include "author/plane_labels.h"
 #include "author/read_poses.h"
-#include "author/stopwatch.h"
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "ibr/author.h"
 
 namespace ibr {

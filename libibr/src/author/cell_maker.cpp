@@ -10,9 +10,9 @@
 #include "author/panorama_cell.h"
 #include "author/posed_model.h"
 #include "author/refine_full.h"
-#include "author/stopwatch.h"
 #include "author/vertices.h"
 #include "base/check.h"
+#include "base/stopwatch.h"
 
 namespace ibr {
 namespace {

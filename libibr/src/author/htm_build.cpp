@@ -21,8 +21,8 @@
 #include "author/htm_shape.h"
 #include "author/htm_subdivide.h"
 #include "author/htm_visibility.h"
-#include "author/stopwatch.h"
 #include "base/check.h"
+#include "base/stopwatch.h"
 #include "ibr/htm_author.h"
 
 namespace ibr {

@@ -11,9 +11,9 @@
 #include "author/kept_file.h"
 #include "author/parallel.h"
 #include "author/shared_file.h"
-#include "author/stopwatch.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "io/image_file.h"
 
 namespace ibr {

@@ -11,9 +11,9 @@
 
 #include "author/parallel.h"
 #include "author/photographs.h"
-#include "author/stopwatch.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/stopwatch.h"
 #include "ibr/author.h"
 #include "ibr/panorama.h"
 #include "io/image_file.h"

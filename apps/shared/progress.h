@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "batch/context.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 
@@ -35,6 +35,7 @@ class ProgressLine {
   void enter(std::string_view stage);
   void draw(const Progress& progress);
 
+  const char* program_;
   bool visible_, terminal_;
   std::vector<std::pair<std::string, double>> stages_;
   std::size_t current_ = 0;

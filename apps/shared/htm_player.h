@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "batch/htm_renderer.h"
 #include "ibr/htm_sequence.h"
+#include "shared/htm_renderer.h"
 
 namespace ibr::app {
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/options.h"
+#include "shared/options.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+
+#include "shared/context.h"
 
 namespace ibr::app {
 
@@ -37,6 +39,20 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
           name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
           fmt::format("{} [{}]", description, value))
       ->type_name("X");
+}
+
+void declareCommonOptions(CLI::App& app, CommonOptions& options) {
+  app.add_option("--json", options.json, "Write the report as JSON to FILE, or - for stdout")->type_name("FILE");
+  app.add_option("--device", options.device, "Vulkan device: its number or a part of its name (ibr device lists them)")
+      ->type_name("NAME");
+  app.add_option_function<std::string>(
+         "--seed",
+         [&options](const std::string& text) { options.seed = std::uint64_t(parsedInt("--seed", text, 0, INT64_MAX)); },
+         "Seed of everything that is drawn at random [1]")
+      ->type_name("N");
+  addInt(app, "--threads", options.threads, 0, 1024, "Threads of the processor; 0 = all of them");
+  app.add_flag("-q,--quiet", options.quiet, "No progress and no messages, only warnings and errors");
+  app.add_flag("-v,--verbose", options.verbose, "More messages");
 }
 
 std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut) {

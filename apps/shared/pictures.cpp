@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/pictures.h"
+#include "shared/pictures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every command gets: the common options, and where its words go. Results go to stdout, all else to stderr.
+// What a program, or a command of it, gets: the common options, and where its words go. Results go to stdout, all else
+// to stderr.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +15,8 @@
 namespace ibr::app {
 
 struct CommonOptions {
-  std::string json;  // file for the report, "-" for stdout, "" for none
+  const char* program = "ibr";  // before each message
+  std::string json;             // file for the report, "-" for stdout, "" for none
   std::string device;
   std::uint64_t seed = 1;
   int threads = 0;  // 0 = all cores

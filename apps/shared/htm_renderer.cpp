@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/htm_renderer.h"
+#include "shared/htm_renderer.h"
 
 #include <chrono>
 #include <utility>

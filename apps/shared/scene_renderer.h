@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "batch/context.h"
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
 #include "shared/camera_path.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

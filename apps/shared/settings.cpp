@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/settings.h"
+#include "shared/settings.h"
 
 #include <fmt/format.h>
 
-#include "batch/options.h"
+#include "shared/options.h"
 
 namespace ibr::app {
 

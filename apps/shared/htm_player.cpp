@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/htm_player.h"
+#include "shared/htm_player.h"
 
 #include <utility>
 
-#include "author/stopwatch.h"
 #include "base/check.h"
+#include "base/stopwatch.h"
 #include "ibr/asset.h"
 
 namespace ibr::app {

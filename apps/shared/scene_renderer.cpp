@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/scene_renderer.h"
+#include "shared/scene_renderer.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/table.h"
+#include "shared/table.h"
 
 #include <fmt/format.h>
 

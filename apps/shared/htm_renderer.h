@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "batch/context.h"
 #include "gpu/scope.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
+#include "shared/context.h"
 
 namespace ibr::app {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/progress.h"
+#include "shared/progress.h"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <mutex>
 
-#include "batch/signals.h"
+#include "shared/signals.h"
 
 namespace ibr::app {
 namespace {
@@ -45,7 +45,9 @@ void writeBesideProgress(std::string_view line) {
 }
 
 ProgressLine::ProgressLine(const Context& context)
-    : visible_(!context.options().quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
+    : program_(context.options().program),
+      visible_(!context.options().quiet),
+      terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 ProgressLine::~ProgressLine() {
   if (visible_ && terminal_) setBar("");
@@ -85,8 +87,8 @@ void ProgressLine::draw(const Progress& progress) {
     const int tenths = int(share * 10);
     if (tenths == tenths_) return;
     tenths_ = tenths;
-    writeBesideProgress(progress.total > 1 ? fmt::format("ibr: {}: {} %\n", progress.stage, tenths * 10)
-                                           : fmt::format("ibr: {}\n", progress.stage));
+    writeBesideProgress(progress.total > 1 ? fmt::format("{}: {}: {} %\n", program_, progress.stage, tenths * 10)
+                                           : fmt::format("{}: {}\n", program_, progress.stage));
     return;
   }
   if (now - drawn_ < std::chrono::milliseconds(100) && progress.done < progress.total) return;

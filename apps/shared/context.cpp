@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/context.h"
+#include "shared/context.h"
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "batch/progress.h"
+#include "shared/progress.h"
 
 namespace ibr::app {
 namespace {
@@ -44,7 +44,7 @@ std::string_view levelName(LogLevel level) {
 void Context::write(LogLevel level, std::string_view message) const {
   if (level == LogLevel::debug && !options_.verbose) return;
   if (level <= LogLevel::info && options_.quiet) return;
-  writeBesideProgress(fmt::format("ibr: {}{}\n", levelName(level), message));
+  writeBesideProgress(fmt::format("{}: {}{}\n", options_.program, levelName(level), message));
 }
 
 LogCallback Context::log() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/signals.h"
+#include "shared/signals.h"
 
 #include <csignal>
 
