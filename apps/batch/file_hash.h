@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "author/hash.h"
+#include "base/hash.h"
 
 namespace ibr::app {
 

@@ -8,6 +8,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,6 +45,10 @@ struct DeviceOptions {
   std::vector<std::string> instanceExtensions;  // further ones, such as GLFW's surface extensions
   std::vector<std::string> deviceExtensions;    // further ones, such as VK_KHR_swapchain
   LogCallback log;                              // validation messages (errors and warnings) and the choice of device
+  /// Where compiled pipelines are kept for the next start; empty: nowhere. Read where it is there and of this device and
+  /// driver, else ignored and the log told; written whole as the device goes, in a folder that must be there. What fails
+  /// then is told to the log, which must outlive the device.
+  std::filesystem::path pipelineCache;
 };
 
 /// Borrowed handles; all stay the caller's. The device was made with everything that requirements() names.
@@ -55,6 +60,7 @@ struct DeviceHandles {
   std::uint32_t queueFamily = 0;
   DeviceFeatures optionalFeatures;  // VK_TRUE for those of requirements().optionalFeatures that were enabled
   LogCallback log;
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // the caller's own, if any: pipelines are made with it
 };
 
 /// A physical device as `ibr device` lists it.
@@ -86,6 +92,8 @@ class Device {
   VkDevice handle() const noexcept;
   VkQueue queue() const noexcept;
   std::uint32_t queueFamily() const noexcept;
+  /// What all pipelines are made with; VK_NULL_HANDLE where an adopted device came without one.
+  VkPipelineCache pipelineCache() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
   const VkPhysicalDeviceMemoryProperties& memoryProperties() const noexcept;
   /// Whether pictures in blocks (BC1, BC7) can be sampled: the feature textureCompressionBC, which is optional.

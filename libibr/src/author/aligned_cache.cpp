@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/aligned_cache.h"
 
-#include "author/hash.h"
 #include "author/kept_file.h"
 #include "author/kept_values.h"
+#include "base/hash.h"
 
 namespace ibr {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "author/hash.h"
 #include "author/photographs.h"
+#include "base/hash.h"
 #include "ibr/author.h"
 #include "ibr/log.h"
 

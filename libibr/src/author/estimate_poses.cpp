@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "author/child_process.h"
-#include "author/hash.h"
 #include "author/photographs.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "base/parse.h"
 #include "ibr/author.h"
 #include "io/image_file.h"

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "author/hash.h"
+#include "base/hash.h"
 #include "base/file.h"
 
 namespace ibr {

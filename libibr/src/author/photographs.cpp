@@ -7,9 +7,9 @@
 #include <span>
 
 #include "author/cv_view.h"
-#include "author/hash.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"

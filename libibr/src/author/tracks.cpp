@@ -14,7 +14,7 @@
 #include <unordered_map>
 
 #include "author/feature_cache.h"
-#include "author/hash.h"
+#include "base/hash.h"
 #include "author/kept_file.h"
 #include "author/photographs.h"
 #include "base/check.h"

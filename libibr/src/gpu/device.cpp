@@ -3,11 +3,13 @@
 
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <utility>
 
 #include "base/check.h"
 #include "gpu/device_choice.h"
 #include "gpu/instance.h"
+#include "gpu/pipeline_cache.h"
 #include "gpu/vulkan.h"
 
 namespace ibr {
@@ -21,6 +23,7 @@ struct Device::State {
   ~State() {
     if (!owned.get() || !device) return;
     vkDeviceWaitIdle(device);  // a lost device is idle too
+    ownedCache.reset();
     vkDestroyDevice(device, nullptr);
   }
 
@@ -38,6 +41,8 @@ struct Device::State {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t queueFamily = 0;
+  std::optional<PipelineCache> ownedCache;
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // its, or a borrowed one
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceFeatures features;  // enabled, as far as is known of an adopted device
@@ -76,6 +81,8 @@ Device Device::create(const DeviceOptions& options) {
                                 .ppEnabledExtensionNames = extensions.data()};
   vk(vkCreateDevice(state->physicalDevice, &info, nullptr, &state->device), "vkCreateDevice");
   vkGetDeviceQueue(state->device, state->queueFamily, 0, &state->queue);
+  state->ownedCache.emplace(state->device, state->properties, options.pipelineCache, state->messages);
+  state->pipelineCache = state->ownedCache->get();
   state->messages.send(LogLevel::info, fmt::format("Vulkan device: {}", state->name));
   return Device(std::move(state));
 }
@@ -102,6 +109,7 @@ Device Device::adopt(const DeviceHandles& handles) {
   state->device = handles.device;
   state->queue = handles.queue;
   state->queueFamily = handles.queueFamily;
+  state->pipelineCache = handles.pipelineCache;
   state->features = handles.optionalFeatures;
   state->describeDevice();
   state->messages.send(LogLevel::info, fmt::format("Vulkan device, adopted: {}", state->name));
@@ -140,6 +148,9 @@ VkQueue Device::queue() const noexcept {
 }
 std::uint32_t Device::queueFamily() const noexcept {
   return state_->queueFamily;
+}
+VkPipelineCache Device::pipelineCache() const noexcept {
+  return state_->pipelineCache;
 }
 const VkPhysicalDeviceProperties& Device::properties() const noexcept {
   return state_->properties;

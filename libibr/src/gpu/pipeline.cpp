@@ -103,7 +103,7 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
                                                   .layout = info.layout,
                                                   .renderPass = info.renderPass};
   VkPipeline pipeline = VK_NULL_HANDLE;
-  vk(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &pipelineInfo, nullptr, &pipeline),
+  vk(vkCreateGraphicsPipelines(device.handle(), device.pipelineCache(), 1, &pipelineInfo, nullptr, &pipeline),
      "vkCreateGraphicsPipelines");
   PipelineHandle owner(device.handle(), pipeline);
   nameObject(device, VK_OBJECT_TYPE_PIPELINE, pipeline, info.name);
@@ -118,7 +118,7 @@ PipelineHandle makeComputePipeline(const Device& device, const ComputePipelineIn
       .stage = stageInfo(VK_SHADER_STAGE_COMPUTE_BIT, shader, specialisation),
       .layout = info.layout};
   VkPipeline pipeline = VK_NULL_HANDLE;
-  vk(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &pipelineInfo, nullptr, &pipeline),
+  vk(vkCreateComputePipelines(device.handle(), device.pipelineCache(), 1, &pipelineInfo, nullptr, &pipeline),
      "vkCreateComputePipelines");
   PipelineHandle owner(device.handle(), pipeline);
   nameObject(device, VK_OBJECT_TYPE_PIPELINE, pipeline, info.name);

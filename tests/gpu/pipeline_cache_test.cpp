@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gpu/pipeline_cache.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "base/file.h"
+#include "handmade_device.h"
+#include "support/gpu.h"
+#include "support/temporary_folder.h"
+#include "test_picture.h"
+
+using namespace ibr;
+using Catch::Matchers::Contains;
+using Bytes = std::vector<std::byte>;
+
+namespace {
+
+constexpr std::size_t kHead = 16;  // of the file, before Vulkan's data
+
+struct Told {
+  std::string debug, info, warnings;
+};
+
+/// Makes a device with a cache file, draws with it and lets it go.
+Told drawWith(const std::filesystem::path& file) {
+  Told told;
+  {
+    const Device device = Device::create({.validation = true,
+                                          .log =
+                                              [&](LogLevel level, std::string_view text) {
+                                                if (level == LogLevel::debug) told.debug += text;
+                                                if (level == LogLevel::info) told.info += text;
+                                                if (level >= LogLevel::warning) told.warnings += text;
+                                              },
+                                          .pipelineCache = file});
+    CHECK(device.pipelineCache() != VK_NULL_HANDLE);
+    CHECK(test::samplePicture(device) == test::expectedPicture());
+    CHECK(device.validationMessages() == 0);
+  }
+  return told;
+}
+
+bool isWhole(const std::filesystem::path& file) {
+  const Bytes bytes = readFile(file);
+  return bytes.size() > kHead && bytes == packedPipelineCache(std::span(bytes).subspan(kHead));
+}
+
+}  // namespace
+
+TEST_CASE("compiled pipelines are kept in a file for the next device") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "pipelines";
+  const Told first = drawWith(file), second = drawWith(file);
+  CHECK_THAT(first.debug, !Contains("compiled pipelines"));
+  CHECK_THAT(second.debug, Contains(file.string()) && Contains("bytes of compiled pipelines"));
+  CHECK((first.warnings + second.warnings).empty());
+  CHECK(isWhole(file));
+  // Nothing but the file is left.
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("a broken file of pipelines is ignored, told of and replaced") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "pipelines";
+  drawWith(file);
+  const Bytes whole = readFile(file);
+  std::vector<Bytes> broken{{}, Bytes(7), Bytes(kHead), Bytes(5000, std::byte(0x5A)), packedPipelineCache({})};
+  for (const std::size_t left : {kHead - 1, kHead + 3, whole.size() - 1})
+    broken.emplace_back(whole.begin(), whole.begin() + std::ptrdiff_t(left));
+  for (const std::size_t at : {std::size_t(0), kHead - 1, kHead, whole.size() - 1}) {
+    broken.push_back(whole);
+    broken.back()[at] ^= std::byte(1);
+  }
+  broken.push_back(whole);
+  broken.back().push_back(std::byte(0));
+  for (const Bytes& bytes : broken) {
+    writeFile(file, bytes);
+    const Told told = drawWith(file);
+    INFO(bytes.size() << " bytes");
+    CHECK_THAT(told.warnings, Contains(file.string()) && Contains("ignored"));
+    CHECK_THAT(told.debug, !Contains("compiled pipelines"));
+    CHECK(isWhole(file));
+  }
+}
+
+TEST_CASE("another device's pipelines are ignored") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "pipelines";
+  drawWith(file);
+  const Bytes whole = readFile(file);
+  // Version, vendor, device, and the driver's identity.
+  for (const std::size_t at : {4, 8, 12, 16, 31}) {
+    Bytes data(whole.begin() + kHead, whole.end());
+    data[at] ^= std::byte(1);
+    writeFile(file, packedPipelineCache(data));
+    const Told told = drawWith(file);
+    INFO("byte " << at);
+    CHECK_THAT(told.info, Contains("another device or driver"));
+    CHECK_THAT(told.debug, !Contains("compiled pipelines"));
+    CHECK(told.warnings.empty());
+    CHECK_THAT(drawWith(file).debug, Contains("compiled pipelines"));
+  }
+}
+
+TEST_CASE("a place where no pipelines can be kept is told of") {
+  const test::TemporaryFolder folder;
+  CHECK_THAT(drawWith(folder / "none" / "pipelines").warnings, Contains("cannot be written"));
+  CHECK_FALSE(std::filesystem::exists(folder / "none"));
+  CHECK_THAT(drawWith(folder.path()).warnings, Contains("is not a regular file"));
+  // What the log throws as the device goes ends nothing.
+  const Device device = Device::create({.log =
+                                            [](LogLevel level, std::string_view) {
+                                              if (level == LogLevel::warning) throw 1;
+                                            },
+                                        .pipelineCache = folder / "none" / "pipelines"});
+}
+
+TEST_CASE("an adopted device makes pipelines with its maker's cache, or with none") {
+  const test::HandmadeDevice handmade;
+  DeviceHandles handles = handmade.handles();
+  CHECK(Device::adopt(handles).pipelineCache() == VK_NULL_HANDLE);
+  const VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  REQUIRE(vkCreatePipelineCache(handles.device, &info, nullptr, &handles.pipelineCache) == VK_SUCCESS);
+  {
+    const Device adopted = Device::adopt(handles);
+    CHECK(adopted.pipelineCache() == handles.pipelineCache);
+    CHECK(test::samplePicture(adopted) == test::expectedPicture());
+  }
+  vkDestroyPipelineCache(handles.device, handles.pipelineCache, nullptr);
+}
