@@ -16,8 +16,8 @@ const Command kHtmRenderCommand{
         "ibr htm render sequence --poses path.json --smooth 0.2 -o pictures\n"
         "ibr htm render sequence --path auto:90 --time 1.5 -o pictures",
     .details =
-        "--poses takes a COLMAP model's folder, transforms.json, or a camera path (ibr render --help). Pictures are\n"
-        "named after the poses and transparent where the object is not.\n"
+        "--poses takes a COLMAP model's folder, transforms.json, a camera path or a picture that ibr has written\n"
+        "(ibr render --help). Pictures are named after the poses and transparent where the object is not.\n"
         "Of 3D video a path's times say which frame is shown, again from the first after the last; poses that know no\n"
         "time show a frame each, in order. While a frame is drawn the next ones are loaded; one that is not there yet\n"
         "is waited for. With --smooth, weights go on from frame to frame; cameras are the same where their names are.\n"

@@ -10,10 +10,10 @@
 #include "base/file.h"
 #include "batch/poses.h"
 #include "ibr/error.h"
-#include "io/image_file.h"
 #include "shared/auto_path.h"
 #include "shared/htm_player.h"
 #include "shared/htm_settings.h"
+#include "shared/picture_record.h"
 #include "shared/progress.h"
 #include "shared/statistics.h"
 
@@ -41,7 +41,7 @@ std::vector<View> viewsOf(const HtmModel& model, const HtmViewsOptions& options,
 
 // Poses that know no time are one of 3D video's frames each, where it is not to stand still.
 std::vector<Shot> shotsOf(std::vector<View> views, const HtmViewsOptions& options, double fps) {
-  const bool isPath = options.autoFrames > 0 || !(fs::is_directory(options.poses) || isTransforms(options.poses));
+  const bool isPath = options.autoFrames > 0 || isWalk(options.poses);
   const bool plays = !isPath && fps > 0 && !options.time;
   std::vector<Shot> shots;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -113,6 +113,7 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
   const std::vector<Shot> shots = shotsOf(std::move(views), options, player.fps());
 
+  const Json drawn = htmSettingsJson(options.settings, options.onSource);
   Json written = Json::array();
   std::vector<double> coverage, weights, coordinates, rasterisation;
   HtmState walk;
@@ -125,7 +126,8 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
           player.render(shot.view.camera, shot.seconds, options.settings, walk, shot.dtSeconds);
       const fs::path file = pictureFile(options.output, shot.view.name);
       makeFolders(file.parent_path());
-      writeImage(file, picture.image);
+      writePicture(file, picture.image,
+                   {shot.view.camera, player.isVideo() ? std::optional(shot.seconds) : std::nullopt, drawn});
       coverage.push_back(coverageOf(picture.image));
       weights.push_back(picture.weights);
       coordinates.push_back(picture.coordinates);
@@ -150,7 +152,7 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
       shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
       quantile(rasterisation, 0.5));
   if (player.isVideo()) printFrames(player, context);
-  Json settings = htmSettingsJson(options.settings, options.onSource);
+  Json settings = drawn;
   settings["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
   settings["time"] = options.time ? Json(*options.time) : Json();
   context.report(Json{{"views", written},

@@ -12,10 +12,12 @@
 #include "base/file.h"
 #include "batch/command.h"
 #include "batch/model_info.h"
+#include "batch/picture_info.h"
 #include "batch/unused.h"
 #include "ibr/asset.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
+#include "io/image_file.h"
 #include "scene/memory_demand.h"
 #include "shared/graph_svg.h"
 #include "shared/table.h"
@@ -98,6 +100,11 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
 }
 
 ExitCode showScene(const Options& options, const Context& context) {
+  if (isImageFile(options.scene)) {
+    check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
+          "{} is a picture: --explain and --svg are for scenes", options.scene);
+    return showPicture(options.scene, context);
+  }
   if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
     check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
           "{} is no scene: --explain and --svg are for scenes", options.scene);
@@ -201,14 +208,15 @@ ExitCode showScene(const Options& options, const Context& context) {
 
 const Command kInfoCommand{
     .name = "info",
-    .summary = "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes",
+    .summary = "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes, or what drew a picture",
     .examples =
-        "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model\nibr info video",
+        "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model\nibr info video\n"
+        "ibr info pictures/frame_0000.png",
     .details = "",
     .afterInterrupt = "",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, or its .gltf or sequence.json")
+      app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
           ->required();
       app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
       app.add_option("--svg", options->svg, "Also draw the image graph: cameras, cells by their score, what is unused")

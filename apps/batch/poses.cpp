@@ -12,6 +12,8 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/author.h"
+#include "io/image_file.h"
+#include "shared/picture_record.h"
 
 namespace fs = std::filesystem;
 
@@ -41,6 +43,12 @@ std::optional<std::string> withoutEye(const std::string& name, char eye) {
   return whole.substr(0, whole.size() - ending.size());
 }
 
+// Of nerfstudio and instant-ngp: an object with "frames".
+bool isTransforms(const fs::path& file) {
+  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
+  return json.is_object() && json.contains("frames");
+}
+
 }  // namespace
 
 bool holdsColmapModel(const fs::path& folder) {
@@ -48,14 +56,21 @@ bool holdsColmapModel(const fs::path& folder) {
   return fs::exists(folder / "cameras.txt", ignored) || fs::exists(folder / "cameras.bin", ignored);
 }
 
-bool isTransforms(const fs::path& file) {
-  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
-  return json.is_object() && json.contains("frames");
+bool isWalk(const fs::path& poses) {
+  std::error_code ignored;
+  return !fs::is_directory(poses, ignored) && (isImageFile(poses) || !isTransforms(poses));
 }
 
 std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCallback& log) {
   std::error_code ignored;
   const bool folder = fs::is_directory(poses, ignored);
+  if (!folder && isImageFile(poses)) {
+    const auto record = readRecord(poses);
+    check(record.has_value(), ErrorCode::invalidInput, "{}: no view stands in this picture", poses.string());
+    View view{poses.filename().string(), record->camera, record->time.value_or(0)};
+    if (size.width > 0) view.camera.intrinsics = withSize(view.camera.intrinsics, size);
+    return {view};
+  }
   if (!folder && !isTransforms(poses)) {
     CameraPath path = readCameraPath(poses);
     if (size.width > 0) {

@@ -13,7 +13,8 @@
 
 namespace ibr::app {
 
-/// `poses`: a COLMAP model's folder, transforms.json, or a camera path. Views of cameras that distort are those of the
+/// `poses`: a COLMAP model's folder, transforms.json, a camera path, or a picture with its record inside, which names the
+/// view. Views of cameras that distort are those of the
 /// undistorted photographs. A size other than 0 replaces that of the poses: the vertical
 /// field of view stays and pixels keep their shape. Throws Error.
 std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log);
@@ -30,8 +31,9 @@ using Frame = std::vector<View>;
 /// of a pair is missing, and where an ipd is needed and 0.
 std::vector<Frame> framesOf(const std::vector<View>& views, bool stereo, double ipd);
 
-/// Whether a file is transforms.json (of nerfstudio, instant-ngp): an object with "frames". Throws Error{io}.
-bool isTransforms(const std::filesystem::path& file);
+/// Whether views follow each other: those of a camera path do, and that of a picture is
+/// at its own time. Throws Error{io}.
+bool isWalk(const std::filesystem::path& poses);
 
 /// A folder that holds a COLMAP model (cameras, images, points3D as .txt or .bin).
 bool holdsColmapModel(const std::filesystem::path& folder);

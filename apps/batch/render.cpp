@@ -2,7 +2,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,14 +13,15 @@
 #include "batch/poses.h"
 #include "ibr/error.h"
 #include "io/exr.h"
-#include "io/image_file.h"
 #include "shared/auto_path.h"
 #include "shared/options.h"
+#include "shared/picture_record.h"
 #include "shared/pictures.h"
 #include "shared/progress.h"
 #include "shared/scene_renderer.h"
 #include "shared/settings.h"
 #include "shared/signals.h"
+#include "shared/up.h"
 
 namespace fs = std::filesystem;
 
@@ -43,20 +43,6 @@ struct Options {
   GpuSceneOptions gpuScene;
   HtmViewsOptions htm;  // what only they have
 };
-
-// Below where the photographs were taken, and level as they were held.
-Floor floorBelow(const Scene& scene, double eyeHeight) {
-  glm::dvec3 up(0), middle(0);
-  for (const Node& node : scene.nodes) {
-    up += node.camera.pose.rotation * glm::dvec3(0, 1, 0);
-    middle += node.camera.pose.position / double(scene.nodes.size());
-  }
-  const double length = glm::length(up);
-  check(length > 0.1 * double(scene.nodes.size()), ErrorCode::invalidInput,
-        "--floor: the photographs were held in too many ways to tell where up is");
-  up /= length;
-  return {up, glm::dot(up, middle) - eyeHeight, 0.5 * eyeHeight, 8 * eyeHeight};
-}
 
 void declareSceneOptions(CLI::App& app, Options& options) {
   const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
@@ -98,7 +84,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   RenderSettings settings = options.settings;
   if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
-  const bool isPath = options.poses.empty() || !(fs::is_directory(options.poses) || isTransforms(options.poses));
+  const bool isPath = options.poses.empty() || isWalk(options.poses);
   std::vector<View> asked = options.autoFrames > 0
                                 ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                                 : readViews(options.poses, options.size, context.log());
@@ -114,6 +100,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   if (options.buffers) wanted.buffers = &scene;
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
   settings.alpha = AlphaContent::tier;
+  const Json drawn = pictureSettingsJson(settings, options.gpuScene, options.eyeHeight);
   Json written = Json::array();
   double least = 1, sum = 0;
   PlanState walk;
@@ -130,7 +117,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
         const std::string& name = frames[i][eye].name;
         const fs::path file = pictureFile(options.output, name);
         fs::create_directories(file.parent_path());
-        writeImage(file, rgb(pictures[eye].image));
+        writePicture(file, rgb(pictures[eye].image), {eyes[eye], std::nullopt, drawn});
         const std::array<double, 4> tiers = tierShares(pictures[eye].image);
         const double coverage = std::accumulate(tiers.begin(), tiers.end(), 0.0);
         least = std::min(least, coverage);
@@ -152,11 +139,9 @@ ExitCode renderViews(const Options& options, const Context& context) {
   }
   context.print("{} pictures in {}; coverage {:.4f}, at least {:.4f}\n", views.size(), options.output,
                 sum / double(views.size()), least);
-  Json reported = settingsJson(settings, options.gpuScene);
+  Json reported = drawn;
   reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
   reported["ipd"] = options.ipd > 0 ? Json(options.ipd) : Json();
-  reported["floor"] = options.eyeHeight > 0 ? Json(options.eyeHeight) : Json();
-  reported["wireframe"] = settings.wireframe;
   context.report(
       Json{{"views", written}, {"device", renderer.deviceName()}, {"settings", reported}, {"scene", options.scene}}
           .dump(2, ' ', false, Json::error_handler_t::replace));
@@ -172,6 +157,7 @@ const Command kRenderCommand{
         "ibr render scene --path auto:90 -o pictures\n"
         "ibr render scene --poses held-out/sparse -o pictures\n"
         "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
+        "ibr render scene --poses screenshot.png --preset accurate -o pictures\n"
         "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures\n"
         "ibr render model --path auto:90 -o pictures",
     .details =
@@ -179,6 +165,8 @@ const Command kRenderCommand{
         "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
         "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
         "with cameras that look along -z, y up. Pictures are named after the poses.\n"
+        "It also takes a picture that ibr or its viewer has written: PNG files hold the view that they show and the\n"
+        "settings that drew them (ibr info PICTURE.png), but settings are still those of this command.\n"
         "--stereo makes two of each pose, NAME_l and NAME_r, of one order of cells and one colour table. Poses that "
         "are\n"
         "named so already are the eyes as they are: each may have its own principal point and direction.\n"
@@ -195,7 +183,8 @@ const Command kRenderCommand{
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
       auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, or a camera path")->type_name("FILE|DIR");
+          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, a camera path or a picture")
+              ->type_name("FILE|DIR");
       poses->excludes(addAutoPath(app, options->autoFrames));
       app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
           ->required()

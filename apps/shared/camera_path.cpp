@@ -10,6 +10,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
+#include "shared/camera_json.h"
+
 namespace ibr::app {
 namespace {
 
@@ -68,8 +70,9 @@ Camera cameraAt(const CameraPath& path, double time) {
     // A field of view must not swing beyond those that were asked for.
     sample.fovY = std::clamp(sample.fovY, std::min(from.fovY, to.fovY), std::max(from.fovY, to.fovY));
   }
-  const glm::dvec4 q = glm::normalize(sample.rotation);
-  return {pinholeFromFov(path.width, path.height, sample.fovY), {sample.position, glm::dquat(q.w, q.x, q.y, q.z)}};
+  const glm::dvec4 q = sample.rotation;
+  return {pinholeFromFov(path.width, path.height, sample.fovY),
+          {sample.position, unitRotation(glm::dquat(q.w, q.x, q.y, q.z))}};
 }
 
 std::vector<View> frames(const CameraPath& path) {

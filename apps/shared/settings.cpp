@@ -136,4 +136,13 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
                                                                    : "auto"}};
 }
 
+nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
+                                           double eyeHeight) {
+  nlohmann::ordered_json json = settingsJson(settings, gpuScene), floor;
+  if (eyeHeight > 0) floor = eyeHeight;
+  json["floor"] = floor;
+  json["wireframe"] = settings.wireframe;
+  return json;
+}
+
 }  // namespace ibr::app

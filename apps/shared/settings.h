@@ -33,4 +33,9 @@ const char* wordOf(BlendMode blend);
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
+/// These, "floor" (--floor: its eye height in world units, null where there is none) and "wireframe": all that makes
+/// one picture of a view.
+nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
+                                           double eyeHeight);
+
 }  // namespace ibr::app

@@ -2,6 +2,7 @@
 // `ibr htm render` and `ibr render` of 3D video and of a model, with the validation layer watching.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
@@ -14,7 +15,6 @@ namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Contains;
 using nlohmann::json;
-using test::contentsBelow;
 
 namespace {
 
@@ -49,6 +49,21 @@ json render(std::vector<std::string> arguments) {
   return json::parse(outcome.out);
 }
 
+// Pictures by name, without the texts inside, which tell times and settings.
+std::map<std::string, std::string> drawnBelow(const fs::path& folder) {
+  auto files = test::contentsBelow(folder);
+  for (auto& [unused, png] : files)
+    for (std::size_t at = 8; at + 12 <= png.size();) {  // after the signature: size, type, data, checksum
+      std::size_t size = 12;
+      for (int i = 0; i < 4; ++i) size += std::size_t(static_cast<unsigned char>(png[at + std::size_t(i)])) << (24 - 8 * i);
+      if (png.compare(at + 4, 4, "tEXt") == 0)
+        png.erase(at, size);
+      else
+        at += size;
+    }
+  return files;
+}
+
 std::vector<int> framesOf(const json& report) {
   std::vector<int> frames;
   for (const json& view : report.at("views")) frames.push_back(view.at("frame"));
@@ -71,7 +86,7 @@ TEST_CASE("a picture of a video is that of its frame's model", "[video]") {
     for (const char* time : {"loadMs", "uploadMs", "renderMs"}) CHECK(frame.at(time).get<double>() > 0);
     CHECK(frame.at("waitMs").get<double>() >= 0);
   }
-  const auto played = contentsBelow(folder / "played");
+  const auto played = drawnBelow(folder / "played");
   REQUIRE(played.size() == 5);
   CHECK(played.at("frame_0000.png") != played.at("frame_0001.png"));
   CHECK(played.at("frame_0000.png") == played.at("frame_0003.png"));
@@ -79,7 +94,7 @@ TEST_CASE("a picture of a video is that of its frame's model", "[video]") {
   writePath(folder / "leaps.json", 5, 0, 0.8);  // back as well
   CHECK(framesOf(render({"render", video(), "--poses", folder / "leaps.json", "-o", folder / "leapt"})) ==
         Frames{0, 2, 1, 0, 2});
-  const auto leapt = contentsBelow(folder / "leapt");
+  const auto leapt = drawnBelow(folder / "leapt");
   CHECK(leapt.at("frame_0001.png") == played.at("frame_0002.png"));
   CHECK(leapt.at("frame_0002.png") == played.at("frame_0001.png"));
   CHECK(leapt.at("frame_0003.png") == played.at("frame_0000.png"));
@@ -88,13 +103,24 @@ TEST_CASE("a picture of a video is that of its frame's model", "[video]") {
   for (const std::string frame : {"0", "1", "2"}) {
     INFO(frame);
     render({"htm", "render", video() / ("frame000" + frame), "--poses", folder / "still.json", "-o", folder / "alone"});
-    CHECK(contentsBelow(folder / "alone").at("frame_0000.png") == played.at("frame_000" + frame + ".png"));
+    CHECK(drawnBelow(folder / "alone").at("frame_0000.png") == played.at("frame_000" + frame + ".png"));
     const json sought = render({"htm", "render", video(), "--poses", folder / "still.json", "--time", frame + "00e-3",
                                 "-o", folder / "sought"});
     CHECK(framesOf(sought) == Frames{std::stoi(frame)});
     CHECK(sought.at("frames").size() == 1);
-    CHECK(contentsBelow(folder / "sought") == contentsBelow(folder / "alone"));
+    CHECK(drawnBelow(folder / "sought") == drawnBelow(folder / "alone"));
   }
+}
+
+TEST_CASE("a picture of a video is made again from itself, at its own moment", "[video]") {
+  if (!test::deviceIsThere()) return;
+  const test::TemporaryFolder folder;
+  writePath(folder / "path.json", 10, 0, 0.2);
+  render({"render", video(), "--poses", folder / "path.json", "--gamma", "20", "-o", folder / "played"});
+  const fs::path picture = folder / "played/frame_0002.png";
+  const json again = render({"render", video(), "--poses", picture, "--gamma", "20", "-o", folder / "again"});
+  CHECK(framesOf(again) == Frames{2});
+  CHECK(readFile(folder / "again/frame_0002.png") == readFile(picture));
 }
 
 TEST_CASE("poses without times show a frame each", "[video]") {
@@ -105,7 +131,7 @@ TEST_CASE("poses without times show a frame each", "[video]") {
   CHECK(framesOf(report) == Frames{0, 1, 2, 0, 1, 2, 0, 1});
   const json still = render({"render", video(), "--poses", poses, "--time", "0.1", "-o", folder / "still"});
   CHECK(framesOf(still) == Frames(8, 1));
-  const auto each = contentsBelow(folder / "each"), moment = contentsBelow(folder / "still");
+  const auto each = drawnBelow(folder / "each"), moment = drawnBelow(folder / "still");
   for (const std::string name : {"cam00", "cam02", "cam03"})
     CHECK((each.at(name + ".png") == moment.at(name + ".png")) == false);
   for (const std::string name : {"cam01", "cam04", "cam07"}) CHECK(each.at(name + ".png") == moment.at(name + ".png"));
@@ -123,7 +149,7 @@ TEST_CASE("weights go on from frame to frame", "[video]") {
   const auto pictures = [&](const fs::path& asset, const std::string& smooth) {
     fs::remove_all(folder / "out");
     render({"render", asset, "--poses", folder / "path.json", "--smooth", smooth, "-o", folder / "out"});
-    return contentsBelow(folder / "out");
+    return drawnBelow(folder / "out");
   };
   const auto atOnce = pictures(video(), "0"), slowly = pictures(video(), "5");
   CHECK(slowly.at("frame_0000.png") == atOnce.at("frame_0000.png"));

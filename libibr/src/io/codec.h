@@ -31,6 +31,8 @@ Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const Re
 
 /// The same picture gives the same bytes.
 std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::string& name);
-std::vector<std::byte> encodePng(const Image8& image, const std::string& name);
+std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageText>& texts, const std::string& name);
+
+std::vector<ImageText> pngTexts(Bytes file, const std::string& name);
 
 }  // namespace ibr::io

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "base/check.h"
@@ -30,18 +31,32 @@ struct Format {
   Image8 (*read)(Bytes, const std::string&, const ReadLimits&, ImageFileInfo&);
 };
 
+constexpr std::size_t kMagicBytes = 8;
+
 // By content: names lie.
-Format formatOf(Bytes file, const std::string& name) {
+std::optional<Format> formatThatBegins(Bytes file) {
   const auto startsWith = [&](auto... bytes) {
     const std::array magic{std::byte(bytes)...};
     return file.size() >= magic.size() && std::equal(magic.begin(), magic.end(), file.begin());
   };
-  if (startsWith(0xff, 0xd8, 0xff)) return {probeJpeg, readJpeg};
-  if (startsWith(0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a)) return {probePng, readPng};
+  if (startsWith(0xff, 0xd8, 0xff)) return Format{probeJpeg, readJpeg};
+  if (startsWith(0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a)) return Format{probePng, readPng};
   if (startsWith('I', 'I', 42, 0) || startsWith('M', 'M', 0, 42) || startsWith('I', 'I', 43, 0) ||
       startsWith('M', 'M', 0, 43))
-    return {probeTiff, readTiff};
-  fail(ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
+    return Format{probeTiff, readTiff};
+  return std::nullopt;
+}
+
+Format formatOf(Bytes file, const std::string& name) {
+  const auto format = formatThatBegins(file);
+  check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
+  return *format;
+}
+
+std::string lowerExtension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  return extension;
 }
 
 // Where a pixel of the upright picture is found in the stored one (EXIF 2.32 §4.6.4.A: where row 0 and column 0 are).
@@ -98,13 +113,43 @@ Image<std::uint16_t> readGrey16(const fs::path& path, const ReadLimits& limits) 
 void writeImage(const fs::path& path, const Image8& image, int quality) {
   assert(image.width > 0 && image.height > 0 && quality >= 1 && quality <= 100);
   const std::string name = path.string();
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const std::string extension = io::lowerExtension(path);
   const bool jpeg = extension == ".jpg" || extension == ".jpeg";
   check(jpeg || extension == ".png", ErrorCode::unsupported, "{}: pictures are written as .png, .jpg or .jpeg", name);
   check(image.channels == 1 || image.channels == 3 || (image.channels == 4 && !jpeg), ErrorCode::unsupported,
         "{}: {} channels do not fit the format", name, image.channels);
-  writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, name));
+  writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, {}, name));
+}
+
+void writeImage(const fs::path& path, const Image8& image, const std::vector<ImageText>& texts) {
+  assert(image.width > 0 && image.height > 0);
+  const std::string name = path.string();
+  check(io::lowerExtension(path) == ".png", ErrorCode::unsupported, "{}: only .png takes texts", name);
+  check(image.channels == 1 || image.channels == 3 || image.channels == 4, ErrorCode::unsupported,
+        "{}: {} channels do not fit the format", name, image.channels);
+  for (const auto& [key, text] : texts) {
+    const auto printable = [](char c) { return c >= ' ' && c <= '~'; };
+    check(!key.empty() && key.size() < 80 && std::ranges::all_of(key, printable) && key.front() != ' ' &&
+              key.back() != ' ' && key.find("  ") == std::string::npos,
+          ErrorCode::invalidInput, "{}: \"{}\" is no key of a text", name, key);
+    check(text.find('\0') == std::string::npos, ErrorCode::invalidInput, "{}: the text \"{}\" has a zero byte", name,
+          key);
+  }
+  writeFile(path, io::encodePng(image, texts, name));
+}
+
+std::vector<ImageText> readImageTexts(const fs::path& path) {
+  const std::string name = path.string();
+  const auto file = readFile(path);
+  return io::formatOf(file, name).read == io::readPng ? io::pngTexts(file, name) : std::vector<ImageText>();
+}
+
+bool isImageFile(const fs::path& path) noexcept {
+  try {
+    return io::formatThatBegins(readFileStart(path, io::kMagicBytes)).has_value();
+  } catch (...) {
+    return false;
+  }
 }
 
 }  // namespace ibr

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "ibr/image.h"
 
@@ -35,5 +37,24 @@ Image<std::uint16_t> readGrey16(const std::filesystem::path& path, const ReadLim
 
 /// 1, 3 or 4 channels; the format follows the extension: .png (lossless), .jpg/.jpeg (3 or 1 channels, `quality`).
 void writeImage(const std::filesystem::path& path, const Image8& image, int quality = 92);
+
+/// A text inside a picture. `key`: 1 to 79 printable ASCII characters, no space at either end nor two in a row; `text`:
+/// UTF-8 without a zero byte.
+struct ImageText {
+  std::string key, text;
+
+  bool operator==(const ImageText&) const = default;
+};
+
+/// A PNG file with texts before its pixels (PNG 1.2 §4.2.3: tEXt where all is ASCII, else iTXt; not compressed). The
+/// same picture and texts give the same bytes.
+void writeImage(const std::filesystem::path& path, const Image8& image, const std::vector<ImageText>& texts);
+
+/// Texts that stand before a PNG's pixels, in their order and as UTF-8 (tEXt, zTXt, iTXt); those whose checksum is
+/// wrong are left out. Of another format: none.
+std::vector<ImageText> readImageTexts(const std::filesystem::path& path);
+
+/// Whether a file begins as a JPEG, PNG or TIFF file does; false where it cannot be read. Never throws.
+bool isImageFile(const std::filesystem::path& path) noexcept;
 
 }  // namespace ibr

@@ -2,6 +2,7 @@
 // PNG through libpng. As in jpeg.cpp, errors leave by longjmp: no object with a destructor in `guarded` functions.
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstring>
@@ -102,6 +103,19 @@ class Decoder : public Codec {
   Bytes rest_;
 };
 
+std::string utf8FromLatin1(const std::string& text) {
+  std::string utf8;
+  for (const unsigned char c : text) {
+    if (c < 0x80) {
+      utf8 += char(c);
+    } else {
+      utf8 += char(0xc0 | c >> 6);
+      utf8 += char(0x80 | (c & 0x3f));
+    }
+  }
+  return utf8;
+}
+
 void checkFits(Decoder& decoder, const ImageFileInfo& info, Bytes file, const std::string& name,
                const ReadLimits& limits) {
   checkSize(info, limits, name);
@@ -165,7 +179,30 @@ Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const Re
   return image;
 }
 
-std::vector<std::byte> encodePng(const Image8& image, const std::string& name) {
+std::vector<ImageText> pngTexts(Bytes file, const std::string& name) {
+  Decoder decoder(file, name);
+  png_textp found = nullptr;
+  const int count = png_get_text(decoder.png, decoder.info, &found, nullptr);
+  std::vector<ImageText> texts;
+  for (int i = 0; i < count; ++i) {
+    const png_text& text = found[i];
+    const bool utf8 = text.compression == PNG_ITXT_COMPRESSION_NONE || text.compression == PNG_ITXT_COMPRESSION_zTXt;
+    const std::string stored(text.text ? text.text : "");
+    texts.push_back({text.key, utf8 ? stored : utf8FromLatin1(stored)});
+  }
+  return texts;
+}
+
+std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageText>& texts, const std::string& name) {
+  std::vector<png_text> chunks;  // libpng takes copies
+  for (const auto& [key, text] : texts) {
+    png_text& chunk = chunks.emplace_back();
+    const bool ascii = std::ranges::all_of(text, [](unsigned char c) { return c < 0x80; });
+    chunk.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
+    chunk.key = const_cast<char*>(key.c_str());
+    chunk.text = const_cast<char*>(text.c_str());
+    (ascii ? chunk.text_length : chunk.itxt_length) = text.size();
+  }
   Codec encoder(Codec::Way::write, name);
   std::vector<std::byte> file;
   encoder.guarded([&] {
@@ -182,6 +219,7 @@ std::vector<std::byte> encodePng(const Image8& image, const std::string& name) {
     png_set_user_limits(png, 0x7fffffff, 0x7fffffff);
     png_set_IHDR(png, encoder.info, png_uint_32(image.width), png_uint_32(image.height), 8, type, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (!chunks.empty()) png_set_text(png, encoder.info, chunks.data(), int(chunks.size()));
     png_write_info(png, encoder.info);
     const std::size_t stride = std::size_t(image.width) * std::size_t(image.channels);
     for (int y = 0; y < image.height; ++y) png_write_row(png, image.values.data() + std::size_t(y) * stride);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/image_file.h"
 
+#include "base/file.h"
 #include "support/temporary_folder.h"
 #include "unusual_files.h"
 
@@ -72,4 +73,62 @@ TEST_CASE("a header far behind its file's beginning is found") {
   for (int i = 0; i < 6; ++i) jpeg.insert(jpeg.begin() + 2, comment.begin(), comment.end());
   test::writeBytes(folder / "a.jpg", jpeg);
   CHECK(probeImage(folder / "a.jpg").width == 24);
+}
+
+TEST_CASE("texts of a PNG come back, and leave its pixels as they are") {
+  test::TemporaryFolder folder;
+  const Image8 image = test::noisyPicture(40, 30, 4);
+  const std::vector<ImageText> texts{
+      {"Title", "plain"}, {"empty", ""}, {"wide", "η, 你好, ü"}, {"long", std::string(100000, 'x')}};
+  writeImage(folder / "a.png", image, texts);
+  writeImage(folder / "b.png", image, texts);
+  CHECK(readImageTexts(folder / "a.png") == texts);
+  CHECK(test::readBytes(folder / "a.png") == test::readBytes(folder / "b.png"));
+  writeImage(folder / "bare.png", image);
+  CHECK(readImage(folder / "a.png") == readImage(folder / "bare.png"));
+  CHECK(readImageTexts(folder / "bare.png").empty());
+  writeImage(folder / "none.png", image, std::vector<ImageText>());
+  CHECK(test::readBytes(folder / "none.png") == test::readBytes(folder / "bare.png"));
+  writeImage(folder / "a.jpg", Image8(8, 8, 3));
+  CHECK(readImageTexts(folder / "a.jpg").empty());
+}
+
+TEST_CASE("texts that a PNG cannot hold are refused, and damaged ones are no text") {
+  test::TemporaryFolder folder;
+  const Image8 image(4, 4, 3);
+  const std::vector<ImageText> wrong[] = {{{"", "x"}},
+                                          {{" a", "x"}},
+                                          {{"a ", "x"}},
+                                          {{"a  b", "x"}},
+                                          {{std::string(80, 'k'), "x"}},
+                                          {{"a\nb", "x"}},
+                                          {{"\xc3\xbc", "x"}},
+                                          {{"a", std::string("x\0y", 3)}}};
+  for (const auto& texts : wrong)
+    CHECK(test::errorOf([&] { writeImage(folder / "a.png", image, texts); }).code() == ErrorCode::invalidInput);
+  const std::vector<ImageText> fine{{"a", "x"}};
+  CHECK(test::errorOf([&] { writeImage(folder / "a.jpg", image, fine); }).code() == ErrorCode::unsupported);
+  CHECK(!std::filesystem::exists(folder / "a.png"));
+
+  writeImage(folder / "a.png", image, {{"first", "one"}, {"second", "two"}});
+  auto bytes = readFile(folder / "a.png");
+  const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  bytes[text.find("two")] = std::byte('T');
+  writeFile(folder / "a.png", bytes);
+  CHECK(readImageTexts(folder / "a.png") == std::vector<ImageText>{{"first", "one"}});
+  CHECK(readImage(folder / "a.png") == image);
+}
+
+TEST_CASE("what begins as an image file does is one") {
+  test::TemporaryFolder folder;
+  writeImage(folder / "a.png", Image8(1, 1, 3));
+  writeImage(folder / "b.jpg", Image8(1, 1, 3));
+  CHECK(isImageFile(folder / "a.png"));
+  CHECK(isImageFile(folder / "b.jpg"));
+  writeFile(folder / "c.png", std::string_view("{}"));
+  writeFile(folder / "d.png", std::string_view(""));
+  CHECK(!isImageFile(folder / "c.png"));
+  CHECK(!isImageFile(folder / "d.png"));
+  CHECK(!isImageFile(folder / "no.png"));
+  CHECK(!isImageFile(folder / ""));
 }

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/up.h"
+
+#include <glm/geometric.hpp>
+
+#include "base/check.h"
+
+namespace ibr::app {
+
+std::optional<glm::dvec3> upOf(const std::vector<Pose>& cameras) {
+  glm::dvec3 sum(0);
+  for (const Pose& camera : cameras) sum += camera.rotation * glm::dvec3(0, 1, 0);
+  const double length = glm::length(sum);
+  if (!(length > 0.1 * double(cameras.size()))) return std::nullopt;
+  return sum / length;
+}
+
+std::vector<Pose> posesOf(const Scene& scene) {
+  std::vector<Pose> poses;
+  for (const Node& node : scene.nodes) poses.push_back(node.camera.pose);
+  return poses;
+}
+
+Floor floorBelow(const Scene& scene, double eyeHeight) {
+  const auto up = upOf(posesOf(scene));
+  check(up.has_value(), ErrorCode::invalidInput,
+        "--floor: the photographs were held in too many ways to tell where up is");
+  glm::dvec3 middle(0);
+  for (const Node& node : scene.nodes) middle += node.camera.pose.position / double(scene.nodes.size());
+  return {*up, glm::dot(*up, middle) - eyeHeight, 0.5 * eyeHeight, 8 * eyeHeight};
+}
+
+}  // namespace ibr::app
