@@ -5,12 +5,15 @@
 # To build the library and the program ibr, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
 # needs no graphics card.
 IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
-  libjpeg-dev libpng-dev libtiff-dev libopenexr-dev libopencv-dev libcgal-dev libcli11-dev mesa-vulkan-drivers"
+  libjpeg-dev libpng-dev libtiff-dev libopenexr-dev libopencv-dev libcgal-dev libcli11-dev libglfw3-dev libimgui-dev
+  mesa-vulkan-drivers"
 # The demo's contact sheets and videos, and the program that estimates poses of your own photographs.
 IBR_PACKAGES_DEMO="ffmpeg colmap"
 # To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package
-# gltf-validator, not in Debian), python3-jsonschema checks scenes against our schema.
-IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs"
+# gltf-validator, not in Debian), python3-jsonschema checks scenes against our schema. The viewer is driven by xdotool in
+# a display of Xvfb that openbox manages.
+IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs xvfb xdotool
+  openbox"
 
 # install_packages PACKAGE…: installs those that are missing. Needs no network where none is.
 install_packages() {

@@ -50,7 +50,7 @@ Outcome runProgram(const std::vector<std::string>& arguments, const RunOptions& 
     std::vector<char*> words{const_cast<char*>("ibr")};
     for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
     words.push_back(nullptr);
-    ::execv(IBR_PROGRAM, words.data());
+    ::execv(options.program.empty() ? IBR_PROGRAM : options.program.c_str(), words.data());
     ::_exit(127);
   }
   ::close(out.write);

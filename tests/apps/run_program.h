@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the program `ibr` as a user does.
+// Runs a program, `ibr` for one, as a user does.
 #pragma once
 
 #include <filesystem>
@@ -15,6 +15,7 @@ struct Outcome {
 };
 
 struct RunOptions {
+  std::string program;                   // file; empty: that of `ibr`
   std::vector<std::string> environment;  // NAME=value
   std::string out;                       // file that stdout goes to instead
   bool terminal = false;                 // stderr is a terminal

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keys and the mouse, put into the camera of the place that is shown.
+#pragma once
+
+#include <span>
+
+#include "viewer/viewer.h"
+#include "viewer/window.h"
+
+namespace ibr::app {
+
+/// Between ImGui's new frame and the picture. `seconds` since the frame before. Says whether the picture changes.
+bool control(Place& place, double seconds);
+
+/// Between ImGui's new frame and `control`: what each key that was pressed means, none of them while text is typed.
+void press(Viewer& viewer, std::span<const KeyPress> keys);
+
+/// A line for each key, for the help.
+struct KeyHelp {
+  const char* keys;
+  const char* what;
+};
+std::span<const KeyHelp> keyHelp();
+
+}  // namespace ibr::app

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `ibr-viewer`: walk through photographs in a window.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "ibr/error.h"
+#include "shared/context.h"
+#include "shared/exit_code.h"
+#include "shared/options.h"
+#include "shared/settings.h"
+#include "viewer/session.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr const char* kName = "ibr-viewer";
+
+struct Options {
+  CommonOptions common;
+  SessionOptions session;
+  std::vector<std::string> places;
+  PictureSize size{1280, 720};
+  std::string screenshot, screenshots = ".";
+  RenderSettings settings;
+  bool bare = false;
+  bool forget = false;
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.set_version_flag("--version", "ibr-viewer " IBR_VERSION);
+  app.add_option("PLACE", o.places, "Scenes, harmonised models, 3D video");
+  addSize(app, "--size", o.size, "Size of the window [1280x720]");
+  addInt(app, "--frames", o.session.frames, 0, 1000000000,
+         "Ends after so many frames of what is opened; 0: when closed");
+  app.add_option("--screenshot", o.screenshot, "Picture of the view, written when the program ends")->type_name("FILE");
+  app.add_option("--screenshots", o.screenshots, "Folder for the pictures that P takes [the current one]")
+      ->type_name("DIR");
+  app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
+  app.add_flag("--forget", o.forget,
+               "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
+  app.add_flag("--validation", o.session.validation, "Vulkan's validation layers say what is wrong");
+  inGroup(app, "Scenes", [&] {
+    declareSettings(app, o.settings);
+    declareGpuScene(app, o.session.gpuScene);
+  });
+  declareCommonOptions(app, o.common);
+}
+
+// The device may be lost and come back, as after a driver's reset; one that is lost again and again is not there.
+void showPlaces(Window& window, Viewer& viewer, const SessionOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  int losses = 0;
+  for (auto begun = Clock::now();; begun = Clock::now()) {
+    try {
+      Session session(window, viewer, options);
+      session.run();
+      if (session.validationMessages() > 0)
+        fail(ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages", session.validationMessages());
+      return;
+    } catch (const Error& e) {
+      losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
+      if (e.code() != ErrorCode::deviceLost || losses > 3) throw;
+      viewer.say(LogLevel::warning, std::string("The device was lost; everything is put there again. ") + e.what());
+    }
+  }
+}
+
+std::string report(const Viewer& viewer, const Window& window) {
+  using Json = nlohmann::ordered_json;
+  Json places = Json::array();
+  for (const auto& place : viewer.places) {
+    const glm::dvec3& p = place->pose.position;
+    const glm::dquat& q = place->pose.rotation;
+    places.push_back({{"place", place->path.string()},
+                      {"photographs", place->viewpoints.size()},
+                      {"position", {p.x, p.y, p.z}},
+                      {"rotation", {q.x, q.y, q.z, q.w}},
+                      {"fovY", place->fovY}});
+  }
+  const VkExtent2D size = window.pixels();
+  Json log = Json::array();
+  for (const LogLine& line : viewer.log)
+    if (line.level >= LogLevel::warning) log.push_back(line.text);
+  return Json{{"frames", viewer.frames},
+              {"size", {size.width, size.height}},
+              {"current", viewer.current},
+              {"places", std::move(places)},
+              {"warnings", std::move(log)}}
+      .dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+ExitCode run(int argc, char** argv) {
+  Options o;
+  CLI::App app(
+      "Examples:\n"
+      "  ibr-viewer scene\n"
+      "  ibr-viewer scene model video --preset fast\n"
+      "  ibr-viewer scene --frames 30 --screenshot view.png\n\n"
+      "Shows scenes, harmonised models and 3D video in a window to walk through them; F1 there tells the keys.\n",
+      "ibr-viewer");
+  declare(app, o);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    std::fputs(
+        dynamic_cast<const CLI::CallForVersion*>(&e) ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(),
+        stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    return complain(kName, fmt::format("{}\n{}: {} --help shows what there is", e.what(), kName, kName),
+                    kExitCommandLine);
+  }
+  const Context context(o.common);
+  o.session.device = o.common.device;
+  o.session.screenshot = o.screenshot;
+  o.session.screenshots = o.screenshots;
+
+  Window window("ibr", o.size.width, o.size.height);
+  const fs::path settings = o.forget ? fs::path() : settingsFolder(), cache = o.forget ? fs::path() : cacheFolder();
+  if (!cache.empty()) o.session.pipelineCache = cache / "pipelines.bin";
+  const Interface interface(window, settings.empty() ? fs::path() : settings / "viewer.ini");
+  Viewer viewer;
+  viewer.mirror = context.log();
+  viewer.first = o.settings;
+  viewer.showInterface = !o.bare;
+  for (const std::string& path : o.places) viewer.open(path);
+  showPlaces(window, viewer, o.session);
+  context.report(report(viewer, window));
+  return viewer.failed && viewer.places.empty() ? kExitRunTime : kExitOk;
+}
+
+}  // namespace
+}  // namespace ibr::app
+
+int main(int argc, char** argv) {
+  using namespace ibr::app;
+  return guarded(kName, [&] { return run(argc, argv); });
+}

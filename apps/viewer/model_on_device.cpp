@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Harmonised models and 3D video.
+#include <algorithm>
+#include <optional>
+
+#include "ibr/offscreen.h"
+#include "shared/htm_renderer.h"
+#include "viewer/place_on_device.h"
+#include "viewer/places.h"
+
+namespace ibr::app {
+namespace {
+
+class ModelOnDevice final : public PlaceOnDevice {
+ public:
+  ModelOnDevice(Device& device, Place& place) : device_(device), place_(place) { choose(); }
+
+  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
+    choose();
+    prepare(target);
+    const Camera view = cameraOf(place_, target.extent);
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, place_.htmSettings, moment.seconds}, state_);
+    quiet_ = sameView(view, lastView_) ? quiet_ + moment.seconds : 0;
+    lastView_ = view;
+    state_ = plan.next;
+    renderer_->record(moment.commands, plan, target, timer);
+  }
+
+  bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
+
+  Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
+    Offscreen offscreen(device_, extent);
+    const HtmRenderer renderer(device_, *gpuModel_, {.largest = extent});
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
+    ++frame;
+    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  }
+
+  std::vector<std::pair<std::string, std::uint64_t>> memory() const override {
+    const GpuHtmModel::Memory m = gpuModel_->memory();
+    return {{"photographs", m.photographs}, {"mesh", m.mesh}, {"complements", m.complements}, {"depths", m.depths}};
+  }
+
+ private:
+  // The model of this moment; one that is not there yet comes later, and the last one stays until then.
+  void choose() {
+    std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*place_.model};
+    HtmPictureSource source = readHtmPicture;
+    if (place_.video) {
+      const std::size_t index = place_.video->frameAt(place_.time);
+      const auto frame = model_ ? place_.video->tryFrame(index) : place_.video->frame(index);
+      waiting_ = !frame;
+      if (!frame) return;
+      model = {frame, &frame->model};
+      source = [frame](const HtmModel&, std::size_t camera) { return frame->pictures[camera]; };
+    }
+    if (model == model_) return;
+    if (gpuModel_) {
+      state_ = htmStateFor(*model, *model_, state_);
+      vkDeviceWaitIdle(device_.handle());
+      gpuModel_->replace(*model, source);
+      if (renderer_) renderer_->show(*gpuModel_);
+    } else {
+      gpuModel_.emplace(device_, *model, source);
+    }
+    model_ = std::move(model);
+    bounds_ = htmBounds(*model_);
+  }
+
+  void prepare(const Target& target) {
+    const VkExtent2D& e = target.extent;
+    if (renderer_ && largest_.width >= e.width && largest_.height >= e.height) return;
+    vkDeviceWaitIdle(device_.handle());
+    largest_ = {std::max(largest_.width, e.width), std::max(largest_.height, e.height)};
+    renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.largest = largest_, .formats = {target.format}});
+  }
+
+  Device& device_;
+  Place& place_;
+  std::shared_ptr<const HtmModel> model_;
+  HtmBounds bounds_;
+  std::optional<GpuHtmModel> gpuModel_;
+  std::optional<HtmRenderer> renderer_;
+  VkExtent2D largest_{0, 0};
+  HtmState state_;
+  Camera lastView_;
+  double quiet_ = 0;
+  bool waiting_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaceOnDevice> modelOnDevice(Device& device, Place& place) {
+  return std::make_unique<ModelOnDevice>(device, place);
+}
+
+std::unique_ptr<PlaceOnDevice> putOnDevice(Device& device, Place& place, const GpuSceneOptions& options) {
+  return place.scene ? sceneOnDevice(device, place, options) : modelOnDevice(device, place);
+}
+
+}  // namespace ibr::app

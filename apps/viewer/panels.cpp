@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panels.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+
+#include "viewer/controls.h"
+
+namespace ibr::app {
+namespace {
+
+struct Tab {
+  const char* name;
+  void (*show)(PanelInput&);
+};
+constexpr std::array kTabs{Tab{"View", showView}, Tab{"Settings", showSettings}, Tab{"Cells", showCells},
+                           Tab{"Map", showMap},   Tab{"Times", showTimes},       Tab{"Memory", showMemory},
+                           Tab{"Log", showLog}};
+
+// Places that are open, and what else can be done with the mouse alone.
+void showPlaces(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  if (!ImGui::BeginTabBar("places", ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  std::size_t closed = viewer.places.size();
+  for (std::size_t i = 0; i < viewer.places.size(); ++i) {
+    ImGui::PushID(int(i));
+    bool open = true;
+    const auto flags = viewer.shownTab != i && viewer.current == i ? ImGuiTabItemFlags_SetSelected : 0;
+    if (ImGui::BeginTabItem(viewer.places[i]->name.c_str(), &open, flags)) {
+      if (!(flags & ImGuiTabItemFlags_SetSelected) && viewer.shownTab == viewer.current) viewer.current = i;
+      viewer.shownTab = i;
+      ImGui::EndTabItem();
+    }
+    if (!open) closed = i;
+    ImGui::PopID();
+  }
+  ImGui::EndTabBar();
+  if (closed < viewer.places.size()) {
+    viewer.current = closed;
+    viewer.closeCurrent();
+  }
+}
+
+void showSidePanel(PanelInput& input) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float width = std::min(26 * ImGui::GetFontSize(), 0.5f * size.x);
+  ImGui::SetNextWindowPos({size.x - width - 10, 10}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin("ibr", nullptr, ImGuiWindowFlags_NoCollapse)) {
+    showPlaces(input);
+    if (ImGui::BeginTabBar("tabs")) {
+      for (const Tab& tab : kTabs)
+        if (ImGui::BeginTabItem(tab.name)) {
+          tab.show(input);
+          ImGui::EndTabItem();
+        }
+      ImGui::EndTabBar();
+    }
+  }
+  ImGui::End();
+}
+
+void beginCard(const char* name, ImVec2 at, ImVec2 pivot) {
+  ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
+}
+
+}  // namespace
+
+void showAll(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  if (viewer.showInterface) {
+    if (viewer.place()) {
+      showSidePanel(input);
+      if (viewer.place()->video) showTimeLine(input);
+    } else {
+      showWelcome(input);
+    }
+  }
+  if (viewer.showHelp) showHelp(input);
+  if (viewer.showInterface || !viewer.opening.empty()) showMessage(input);
+}
+
+void showHelp(PanelInput& input) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("help", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const KeyHelp& line : keyHelp()) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextColored({0.95f, 0.8f, 0.35f, 1}, "%s", line.keys);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(line.what);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::Spacing();
+  ImGui::TextDisabled("%s", input.device.c_str());
+  ImGui::End();
+}
+
+void showWelcome(PanelInput& input) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
+  ImGui::TextUnformatted("Drop a folder here:");
+  ImGui::BulletText("a scene, as ibr build makes it");
+  ImGui::BulletText("a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them");
+  ImGui::Spacing();
+  ImGui::TextDisabled("F1: keys     %s", input.device.c_str());
+  ImGui::End();
+}
+
+void showMessage(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
+  if (!still) viewer.message.clear();
+  if (!still && viewer.opening.empty()) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1});
+  for (const Opening& opening : viewer.opening)
+    ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
+  if (still) {
+    ImGui::PushTextWrapPos(0.8f * size.x);
+    ImGui::TextUnformatted(viewer.message.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+}
+
+void showTimeLine(PanelInput& input) {
+  Place& place = *input.viewer.place();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.1f * size.x, size.y - 4.5f * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({0.55f * size.x, 0}, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin("time", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar)) {
+    if (ImGui::Button(place.playing ? "pause" : "play ")) place.playing = !place.playing;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    float seconds = float(place.time);
+    const float whole = float(place.video->duration());
+    if (ImGui::SliderFloat(
+            "##time", &seconds, 0, whole,
+            fmt::format("%.2f s of {:.2f}, frame {}", whole, place.video->frameAt(place.time)).c_str())) {
+      place.time = double(seconds);
+      place.playing = false;
+      place.changed = true;
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies over the picture, a file a panel. Each shows and changes what the viewer knows; none touches a device.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer/viewer.h"
+#include "viewer/window.h"
+
+namespace ibr::app {
+
+struct PanelInput {
+  Viewer& viewer;
+  Window& window;
+  std::string device;
+  const FramePlan* plan = nullptr;  // of the frame before; none for harmonised models
+  std::vector<std::pair<std::string, std::uint64_t>> memory;
+};
+
+/// Everything, in a frame of ImGui.
+void showAll(PanelInput& input);
+
+// Tabs of the side panel.
+void showView(PanelInput& input);
+void showSettings(PanelInput& input);
+void showCells(PanelInput& input);
+void showMap(PanelInput& input);
+void showTimes(PanelInput& input);
+void showMemory(PanelInput& input);
+void showLog(PanelInput& input);
+
+// Over the picture itself.
+void showHelp(PanelInput& input);
+void showWelcome(PanelInput& input);  // nothing is open
+void showMessage(PanelInput& input);
+void showTimeLine(PanelInput& input);  // 3D video
+
+}  // namespace ibr::app

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a device holds of a place, and how it is drawn. One thread.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "gpu/scope.h"
+#include "ibr/image.h"
+#include "viewer/place.h"
+
+namespace ibr::app {
+
+/// A frame that is being recorded. Numbers rise from 1; `completed`: the device has finished it and all before it.
+struct Moment {
+  VkCommandBuffer commands;
+  std::uint64_t frame, completed;
+  double seconds;  // since the frame before
+};
+
+class PlaceOnDevice {
+ public:
+  virtual ~PlaceOnDevice() = default;
+
+  /// Records the place as it is left into the target, whose extent may change from frame to frame. Throws Error.
+  virtual void record(const Moment& moment, const Target& target, ScopeTimer* timer) = 0;
+
+  /// What is drawn next would differ though nobody moved: something streams, fades or plays.
+  virtual bool restless() const = 0;
+
+  /// The same view by itself, as `ibr render` draws it, of that size. Waits for the device; `frame` is raised by the
+  /// frames that it takes. Throws Error.
+  virtual Image8 picture(VkExtent2D extent, std::uint64_t& frame) = 0;
+
+  /// What the last frame was made of; nullptr for harmonised models.
+  virtual const FramePlan* plan() const { return nullptr; }
+  /// Memory by class, bytes.
+  virtual std::vector<std::pair<std::string, std::uint64_t>> memory() const = 0;
+};
+
+/// The place must outlive it, and may change in the meantime as Place says. Submits uploads and waits. Throws Error.
+std::unique_ptr<PlaceOnDevice> putOnDevice(Device& device, Place& place, const GpuSceneOptions& options);
+
+}  // namespace ibr::app

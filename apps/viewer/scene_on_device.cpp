@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <optional>
+
+#include "ibr/offscreen.h"
+#include "shared/scene_renderer.h"
+#include "viewer/place_on_device.h"
+#include "viewer/places.h"
+
+namespace ibr::app {
+namespace {
+
+// Whether a renderer made for `has` can draw what needs `needs`.
+bool serves(const RendererOptions& has, const RendererOptions& needs) {
+  const auto within = [](const auto& few, const auto& many) {
+    return std::ranges::all_of(few, [&](auto one) { return std::ranges::find(many, one) != many.end(); });
+  };
+  return has.largest.width >= needs.largest.width && has.largest.height >= needs.largest.height &&
+         has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
+         has.wireframe >= needs.wireframe && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
+         has.largestScale >= needs.largestScale && within(needs.formats, has.formats) &&
+         within(needs.orders, has.orders) && within(needs.blends, has.blends);
+}
+
+class SceneOnDevice final : public PlaceOnDevice {
+ public:
+  SceneOnDevice(Device& device, Place& place, const GpuSceneOptions& options)
+      : device_(device), place_(place), bounds_(sceneBounds(*place.scene)), gpuScene_(device, *place.scene, options) {}
+
+  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
+    const Camera view = cameraOf(place_, target.extent);
+    plan_ = planFrame(*place_.scene, bounds_, {{view}, place_.settings, moment.seconds}, plan_.next);
+    prepare(target);
+    streamed_ = gpuScene_.stream(moment.commands, plan_, moment.frame, moment.completed);
+    renderer_->record(moment.commands, plan_, std::span(&target, 1), timer);
+    // Colours fade for longer than the order does.
+    const RenderSettings& s = place_.settings;
+    const bool same = sameView(view, lastView_);
+    lastView_ = view;
+    quiet_ = same ? quiet_ + moment.seconds : 0;
+    const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
+    restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1;
+  }
+
+  bool restless() const override { return restless_; }
+
+  Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
+    const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, place_.settings, 0}, {});
+    Offscreen offscreen(device_, extent);
+    streamAll(device_, gpuScene_, plan, frame);
+    const Renderer renderer(device_, gpuScene_, optionsFor(place_.settings, extent));
+    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  }
+
+  const FramePlan* plan() const override { return &plan_; }
+
+  std::vector<std::pair<std::string, std::uint64_t>> memory() const override {
+    const GpuScene::Memory m = gpuScene_.memory();
+    return {{"photographs", m.textures},
+            {"vertices", m.positions},
+            {"triangles", m.indices},
+            {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0}};
+  }
+
+ private:
+  void prepare(const Target& target) {
+    const RendererOptions needed = optionsFor(place_.settings, target.extent, target.format);
+    if (renderer_ && serves(options_, needed)) return;
+    vkDeviceWaitIdle(device_.handle());
+    renderer_.reset();  // first, so that there is never memory for two
+    options_ = needed;
+    renderer_.emplace(device_, gpuScene_, options_);
+  }
+
+  Device& device_;
+  Place& place_;
+  SceneBounds bounds_;
+  GpuScene gpuScene_;
+  RendererOptions options_;
+  std::optional<Renderer> renderer_;
+  FramePlan plan_;
+  GpuScene::Streamed streamed_;
+  Camera lastView_;
+  double quiet_ = 0;
+  bool restless_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaceOnDevice> sceneOnDevice(Device& device, Place& place, const GpuSceneOptions& options) {
+  return std::make_unique<SceneOnDevice>(device, place, options);
+}
+
+}  // namespace ibr::app

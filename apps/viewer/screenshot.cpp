@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/screenshot.h"
+
+#include <fmt/format.h>
+
+#include "base/file.h"
+#include "shared/htm_settings.h"
+#include "shared/picture_record.h"
+#include "shared/pictures.h"
+#include "shared/settings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+
+fs::path freeScreenshotFile(const fs::path& folder) {
+  for (int number = 1;; ++number) {
+    fs::path file = folder / fmt::format("view_{:04d}.png", number);
+    if (!fs::exists(file)) return file;
+  }
+}
+
+void writeScreenshot(const fs::path& file, const Image8& image, const Place& place, VkExtent2D extent,
+                     const GpuSceneOptions& gpuScene) {
+  if (file.has_parent_path()) makeFolders(file.parent_path());
+  const Camera camera = cameraOf(place, extent);
+  if (place.scene) {
+    writePicture(file, rgb(image), {camera, std::nullopt, pictureSettingsJson(place.settings, gpuScene, 0)});
+    return;
+  }
+  const std::optional<double> time = place.video ? std::optional(place.time) : std::nullopt;
+  writePicture(file, image, {camera, time, htmSettingsJson(place.htmSettings, false)});
+}
+
+}  // namespace ibr::app

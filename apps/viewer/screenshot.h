@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of the place without the interface.
+#pragma once
+
+#include <filesystem>
+
+#include "ibr/gpu_scene.h"
+#include "ibr/image.h"
+#include "viewer/place.h"
+
+namespace ibr::app {
+
+/// FOLDER/view_0001.png or the first such number that is free.
+std::filesystem::path freeScreenshotFile(const std::filesystem::path& folder);
+
+/// Writes what `ibr render` writes for the same view and settings. Throws Error{io}.
+void writeScreenshot(const std::filesystem::path& file, const Image8& image, const Place& place, VkExtent2D extent,
+                     const GpuSceneOptions& gpuScene);
+
+}  // namespace ibr::app

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/session.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "gpu/barrier.h"
+#include "viewer/controls.h"
+#include "viewer/screenshot.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::uint32_t kScopes = 64;
+constexpr double kLongestStep = 0.1;  // s: after a pause nothing jumps
+
+Device makeDevice(const SessionOptions& options, Viewer& viewer) {
+  return Device::create(
+      {.device = options.device,
+       .validation = options.validation,
+       .instanceExtensions = Window::instanceExtensions(),
+       .deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME},
+       .log = [&viewer](LogLevel level, std::string_view text) { viewer.say(level, std::string(text)); },
+       .pipelineCache = options.pipelineCache});
+}
+
+// The frame before may still be copying the picture.
+constexpr ImageUse kCopiedBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+
+void copyPicture(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, VkImage to, VkExtent2D toExtent) {
+  const auto corner = [](VkExtent2D e) { return VkOffset3D{std::int32_t(e.width), std::int32_t(e.height), 1}; };
+  const VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  const VkImageBlit region{layers, {{0, 0, 0}, corner(fromExtent)}, layers, {{0, 0, 0}, corner(toExtent)}};
+  vkCmdBlitImage(commands, from, use::kTransferSource.layout, to, use::kTransferDestination.layout, 1, &region,
+                 VK_FILTER_NEAREST);
+}
+
+}  // namespace
+
+Session::Session(Window& window, Viewer& viewer, const SessionOptions& options)
+    : window_(window),
+      viewer_(viewer),
+      options_(options),
+      device_(makeDevice(options, viewer)),
+      swapchain_(device_, window),
+      drawer_(device_, swapchain_),
+      last_(std::chrono::steady_clock::now()) {
+  for (auto& timer : timers_) timer = std::make_unique<ScopeTimer>(device_, kScopes);
+}
+
+Session::~Session() {
+  vkDeviceWaitIdle(device_.handle());
+}
+
+double Session::pause() const {
+  if (redraws_ > 0 || pictureWanted_) return 0;
+  const auto now = std::chrono::steady_clock::now();
+  // A message goes away, a place may have been read.
+  return viewer_.messageUntil > now || !viewer_.opening.empty() ? 0.1 : 3600;
+}
+
+void Session::run() {
+  int shown = 0;
+  while (!window_.closing() && !viewer_.wantsClose) {
+    if (window_.handleEvents(pause())) redraws_ = 3;
+    for (const std::filesystem::path& path : window_.takeDropped()) viewer_.open(path);
+    if (viewer_.takeOpened()) {
+      redraws_ = 3;
+      pictureWanted_ = true;
+    }
+    if (!viewer_.opening.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
+    if (redraws_ == 0 && !pictureWanted_) continue;
+    if (!draw()) {
+      window_.handleEvents(0.1);
+      continue;
+    }
+    redraws_ = std::max(0, redraws_ - 1);
+    forgetClosed();
+    const bool opened = viewer_.opening.empty() && viewer_.place();
+    if (options_.frames > 0 && (opened || viewer_.opening.empty()) && ++shown >= options_.frames) break;
+  }
+  if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
+}
+
+PlaceOnDevice* Session::drawnPlace() {
+  Place* place = viewer_.place();
+  if (!place) return nullptr;
+  std::unique_ptr<PlaceOnDevice>& drawn = drawn_[place];
+  if (!drawn) {
+    GpuSceneOptions options = options_.gpuScene;
+    options.log = [this](LogLevel level, std::string_view text) { viewer_.say(level, std::string(text)); };
+    drawn = putOnDevice(device_, *place, options);
+  }
+  return drawn.get();
+}
+
+void Session::forgetClosed() {
+  std::erase_if(drawn_, [&](const auto& entry) {
+    const bool closed =
+        std::ranges::none_of(viewer_.places, [&](const auto& place) { return place.get() == entry.first; });
+    if (closed) vkDeviceWaitIdle(device_.handle());
+    return closed;
+  });
+}
+
+void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
+  if (!picture_ || picture_->target().extent.width != frame.extent.width ||
+      picture_->target().extent.height != frame.extent.height) {
+    vkDeviceWaitIdle(device_.handle());
+    picture_ = std::make_unique<Offscreen>(device_, frame.extent);
+    pictureWanted_ = true;
+  }
+  PlaceOnDevice* drawn = drawnPlace();
+  if (drawn && pictureWanted_) {
+    Target target = picture_->target();
+    target.before = kCopiedBefore;
+    const std::uint64_t completed = frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0;
+    drawn->record({frame.commands, frame_, completed, seconds}, target, timers_[frame.slot].get());
+    pictureWanted_ = drawn->restless();
+  }
+  transition(frame.commands, frame.image, Swapchain::kAcquired, use::kTransferDestination);
+  if (drawn) {
+    copyPicture(frame.commands, picture_->target().image, picture_->target().extent, frame.image, frame.extent);
+  } else {
+    pictureWanted_ = false;
+    const VkClearColorValue grey{.float32 = {0.11f, 0.12f, 0.13f, 1}};
+    const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(frame.commands, frame.image, use::kTransferDestination.layout, &grey, 1, &all);
+  }
+}
+
+void Session::showPanels() {
+  drawer_.beginFrame();
+  PanelInput input{viewer_, window_, device_.name(), nullptr, {}};
+  if (Place* place = viewer_.place())
+    if (const auto found = drawn_.find(place); found != drawn_.end()) {
+      input.plan = found->second->plan();
+      input.memory = found->second->memory();
+    }
+  showAll(input);
+  ImGui::Render();
+}
+
+bool Session::draw() {
+  const std::optional<Swapchain::Frame> frame = swapchain_.begin();
+  if (!frame) return false;
+  const auto now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_).count();
+  last_ = now;
+  ++frame_;
+  try {
+    viewer_.deviceTimes = timers_[frame->slot]->read();
+    timers_[frame->slot]->reset(frame->commands);
+    showPanels();
+    const std::size_t before = viewer_.current, places = viewer_.places.size();
+    press(viewer_, window_.takeKeys());
+    if (Place* place = viewer_.place())
+      if (control(*place, std::min(seconds, kLongestStep))) pictureWanted_ = true;
+    if (viewer_.current != before || viewer_.places.size() != places) pictureWanted_ = true;
+    if (pictureWanted_) redraws_ = std::max(redraws_, 1);
+    recordPicture(*frame, std::min(seconds, kLongestStep));
+    drawer_.record(swapchain_, *frame);
+  } catch (const Error& e) {
+    swapchain_.abandon(*frame);
+    --frame_;
+    if (e.code() == ErrorCode::deviceLost || !viewer_.place()) throw;
+    // A place that cannot be drawn is closed; the others stay.
+    viewer_.say(LogLevel::error, fmt::format("{}: {}", viewer_.place()->name, e.what()));
+    vkDeviceWaitIdle(device_.handle());
+    viewer_.closeCurrent();
+    redraws_ = 3;
+    pictureWanted_ = true;
+    return true;
+  }
+  swapchain_.end(*frame);
+  viewer_.frameMilliseconds[viewer_.frames++ % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
+  if (viewer_.wantsScreenshot) {
+    viewer_.wantsScreenshot = false;
+    takeScreenshot(freeScreenshotFile(options_.screenshots));
+  }
+  return true;
+}
+
+void Session::takeScreenshot(const std::filesystem::path& file) {
+  Place* place = viewer_.place();
+  check(place, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
+  vkDeviceWaitIdle(device_.handle());
+  const VkExtent2D extent = picture_->target().extent;
+  const Image8 image = drawnPlace()->picture(extent, frame_);
+  writeScreenshot(file, image, *place, extent, options_.gpuScene);
+  viewer_.say(LogLevel::info, fmt::format("{} written", file.string()));
+  viewer_.message = fmt::format("{} written", file.string());
+  viewer_.messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer on a device, from its making until it is lost or the window closes.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "ibr/offscreen.h"
+#include "viewer/interface.h"
+#include "viewer/panels.h"
+#include "viewer/place_on_device.h"
+#include "viewer/swapchain.h"
+#include "viewer/viewer.h"
+
+namespace ibr::app {
+
+struct SessionOptions {
+  std::string device;
+  std::filesystem::path pipelineCache;  // file; empty: none
+  bool validation = false;
+  GpuSceneOptions gpuScene;
+  int frames = 0;                     // to show before it ends; 0: until the window is closed
+  std::filesystem::path screenshot;   // written at the end; empty: none
+  std::filesystem::path screenshots;  // folder for those that are asked for
+};
+
+class Session {
+ public:
+  Session(Window& window, Viewer& viewer, const SessionOptions& options);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();  // waits for the device
+
+  /// Until the window closes or the frames asked for have been shown. Throws Error: deviceLost, where making another
+  /// session may go on.
+  void run();
+
+  /// How many messages the validation layer has sent.
+  std::uint64_t validationMessages() const noexcept { return device_.validationMessages(); }
+
+ private:
+  double pause() const;  // how long to wait for events, s; 0: something moves
+  bool draw();           // false: there is nothing to draw into now
+  void showPanels();
+  void recordPicture(const Swapchain::Frame& frame, double seconds);
+  void takeScreenshot(const std::filesystem::path& file);
+  void forgetClosed();
+  PlaceOnDevice* drawnPlace();
+
+  Window& window_;
+  Viewer& viewer_;
+  const SessionOptions& options_;
+  Device device_;
+  Swapchain swapchain_;
+  InterfaceDrawer drawer_;
+  std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
+  std::map<const Place*, std::unique_ptr<PlaceOnDevice>> drawn_;
+  std::unique_ptr<Offscreen> picture_;  // the place without the interface, of the window's size
+  std::uint64_t frame_ = 0;             // shown or being recorded
+  int redraws_ = 3;                     // frames to be drawn before it may rest: the interface settles in two
+  bool pictureWanted_ = true;           // the place is to be drawn anew
+  std::chrono::steady_clock::time_point last_;
+};
+
+}  // namespace ibr::app

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer knows, whatever device draws it: the places that are open, what is shown of them, what was said.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gpu/scope.h"
+#include "ibr/log.h"
+#include "viewer/place.h"
+
+namespace ibr::app {
+
+struct LogLine {
+  LogLevel level;
+  std::string text;
+};
+
+/// A place whose files are being read.
+struct Opening {
+  std::filesystem::path path;
+  std::future<Place> place;
+};
+
+struct Viewer {
+  std::vector<std::unique_ptr<Place>> places;  // in the order in which they were opened
+  std::size_t current = 0;                     // of places, where there is one
+  std::size_t shownTab = 0;                    // of places, in the panel
+  std::vector<Opening> opening;
+  std::deque<LogLine> log;
+  LogCallback mirror;    // also gets what is said
+  RenderSettings first;  // of scenes when they are opened
+
+  bool showInterface = true;  // F2
+  bool showHelp = false;      // F1
+  bool wantsScreenshot = false;
+  bool wantsClose = false;
+  std::string message;  // for a moment, over the picture
+  std::chrono::steady_clock::time_point messageUntil{};
+
+  // Of the last frames.
+  std::vector<ScopeTime> deviceTimes;
+  std::array<float, 120> frameMilliseconds{};  // ring
+  std::size_t frames = 0;                      // drawn
+  bool failed = false;                         // something could not be opened or drawn
+
+  Place* place() { return current < places.size() ? places[current].get() : nullptr; }
+
+  /// Begins to read a place; a path that is open already is shown.
+  void open(const std::filesystem::path& path);
+  /// Takes what has been read. Says whether anything has.
+  bool takeOpened();
+  void closeCurrent();
+  void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
+};
+
+}  // namespace ibr::app

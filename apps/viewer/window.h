@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window by GLFW, and what happens to it. One thread, the one that runs main().
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace ibr::app {
+
+/// A key that was pressed, however briefly; GLFW's numbers. Letters are those of the user's keyboard layout.
+struct KeyPress {
+  int key = 0;
+  bool control = false, shift = false;
+};
+
+class Window {
+ public:
+  /// Throws Error{unsupported} where there is no display or no Vulkan for it.
+  Window(const std::string& title, int width, int height);
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+  ~Window();
+
+  GLFWwindow* handle() const noexcept { return window_; }
+
+  /// Instance extensions that a surface of any window needs.
+  static std::vector<std::string> instanceExtensions();
+  /// The caller destroys it before the instance. Throws Error.
+  VkSurfaceKHR makeSurface(VkInstance instance) const;
+
+  VkExtent2D pixels() const noexcept;  // 0 × 0 while it is minimised
+  float scale() const noexcept;        // of what is drawn for people, 1 at 96 dpi
+
+  bool closing() const noexcept;
+  void close() noexcept;
+  void setTitle(const std::string& title);
+
+  /// Handles what has happened; waits for something first, for at most so long, where `seconds` is not 0. Says whether
+  /// something has.
+  bool handleEvents(double seconds);
+  /// Files and folders dropped on it since the last call.
+  std::vector<std::filesystem::path> takeDropped();
+
+  /// Keys pressed since the last call, in order.
+  std::vector<KeyPress> takeKeys();
+
+  std::string clipboard() const;
+  void setClipboard(const std::string& text);
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  bool touched_ = false;
+  std::vector<std::filesystem::path> dropped_;
+  std::vector<KeyPress> keys_;
+};
+
+/// Ends a wait of handleEvents, from any thread.
+void wakeWindow() noexcept;
+
+}  // namespace ibr::app

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `ibr-viewer`, driven by keys and the mouse as a person would.
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "io/image_file.h"
+#include "run_program.h"
+#include "support/htm_files.h"
+#include "support/temporary_folder.h"
+#include "tiny_scene.h"
+#include "virtual_display.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Contains;
+using nlohmann::json;
+using test::Hands;
+using test::sleepFor;
+using test::xdotool;
+
+namespace {
+
+test::Outcome view(std::vector<std::string> arguments) {
+  for (const char* word : {"--forget", "--validation", "--json", "-"}) arguments.emplace_back(word);
+  const auto outcome = test::runProgram(arguments, {.program = IBR_VIEWER});
+  CHECK_THAT(outcome.err, !Contains("Vulkan validation"));
+  return outcome;
+}
+
+// What a person did, and what the viewer says about it when it has closed.
+json whileViewing(std::vector<std::string> arguments, const std::function<void(const std::string& window)>& act) {
+  test::Outcome outcome;
+  {
+    const Hands hands(act);
+    outcome = view(std::move(arguments));
+  }
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  return json::parse(outcome.out);
+}
+
+bool canView() {
+  return test::deviceIsThere() && test::displayIsThere();
+}
+
+glm::dvec3 positionOf(const json& place) {
+  return {place["position"][0], place["position"][1], place["position"][2]};
+}
+glm::dquat rotationOf(const json& place) {
+  const json& q = place["rotation"];
+  return {q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()};
+}
+
+void hold(const char* key, double seconds) {
+  xdotool({"keydown", key});
+  sleepFor(seconds);
+  xdotool({"keyup", key});
+}
+
+}  // namespace
+
+TEST_CASE("the viewer's screenshot is what ibr render draws") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const fs::path shot = folder / "shot.png";
+  const auto outcome =
+      view({test::tinyScene(), "--size", "320x240", "--frames", "3", "--screenshot", shot, "--preset", "accurate"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  CHECK(report["size"] == json::array({320, 240}));
+  const json& place = report["places"][0];
+  writeFile(
+      folder / "path.json",
+      json{{"version", 1},
+           {"size", report["size"]},
+           {"fps", 1},
+           {"keys",
+            {{{"time", 0}, {"position", place["position"]}, {"rotation", place["rotation"]}, {"fovY", place["fovY"]}}}}}
+          .dump());
+  REQUIRE(test::runProgram({"render", test::tinyScene(), "--poses", folder / "path.json", "-o", folder / "rendered",
+                            "--preset", "accurate"})
+              .code == 0);
+  const Image8 seen = readImage(shot), rendered = readImage(folder / "rendered/frame_0000.png");
+  CHECK(seen.width == 320);
+  CHECK(seen.values == rendered.values);
+  CHECK(readFile(shot) == readFile(folder / "rendered/frame_0000.png"));
+}
+
+TEST_CASE("a harmonised model's screenshot is what ibr render draws, and tells its view") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  test::BumpyOptions body;
+  body.cameras = 4;
+  body.longitudes = 12;
+  body.latitudes = 8;
+  test::writeHtmFiles(test::bumpyModel(body), folder / "files");
+  REQUIRE(test::runProgram({"htm", "build", "--mesh", folder / "files/mesh.obj", "--model", folder / "files/sparse",
+                            "--images", folder / "files/images", "-o", folder / "model", "--faces", "0", "--rounds",
+                            "1", "--adjust", "0", "--radius", "2"})
+              .code == 0);
+  const auto outcome =
+      view({folder / "model", "--size", "200x150", "--frames", "2", "--screenshot", folder / "shot.png"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const auto rendered = test::runProgram(
+      {"render", folder / "model", "--poses", folder / "shot.png", "-o", folder / "out", "--json", "-"});
+  INFO(rendered.err);
+  REQUIRE(rendered.code == 0);
+  const std::string file = json::parse(rendered.out)["views"][0]["file"];
+  CHECK(readFile(file) == readFile(folder / "shot.png"));
+}
+
+TEST_CASE("keys and the mouse move the view") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({test::tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const glm::dvec3 from = positionOf(begin), forward = rotationOf(begin) * glm::dvec3(0, 0, -1);
+  const auto forwards =
+      whileViewing({test::tinyScene(), "--size", "320x240"}, [](const std::string&) { hold("w", 0.6); })["places"][0];
+  const glm::dvec3 way = positionOf(forwards) - from;
+  CHECK(glm::dot(way, forward) > 0.01);
+  CHECK(glm::length(way - forward * glm::dot(way, forward)) < 1e-9);
+  CHECK(rotationOf(forwards) == rotationOf(begin));
+
+  const auto turned =
+      whileViewing({test::tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
+        xdotool({"mousemove", "--window", w, "100", "100"});
+        xdotool({"mousedown", "3"});
+        sleepFor(0.2);
+        for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "10", "0"});
+        xdotool({"mouseup", "3"});
+        sleepFor(0.3);
+      })["places"][0];
+  CHECK(positionOf(turned) == from);
+  const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
+  CHECK(glm::dot(rotationOf(turned) * glm::dvec3(0, 0, -1), right) > 0.02);  // the view follows the mouse
+
+  const auto next = whileViewing({test::tinyScene(), "--size", "320x240"}, [](const std::string&) {
+    xdotool({"key", "bracketright"});
+    sleepFor(1.5);
+  })["places"][0];
+  CHECK(glm::distance(positionOf(next), from) > 0.01);
+}
+
+TEST_CASE("a window is resized again and again, hidden and shown, and goes on") {
+  if (!canView()) return;
+  const json report = whileViewing({test::tinyScene(), "--size", "400x300"}, [](const std::string& w) {
+    for (int i = 0; i < 15; ++i, sleepFor(0.03))
+      xdotool({"windowsize", w, std::to_string(300 + 31 * i), std::to_string(500 - 23 * i)});
+    sleepFor(0.3);
+    xdotool({"windowminimize", w});
+    sleepFor(0.5);
+    xdotool({"windowactivate", "--sync", w});
+    xdotool({"windowsize", "--sync", w, "360", "280"});
+    sleepFor(0.5);
+  });
+  CHECK(report["size"] == json::array({360, 280}));
+  CHECK(report["warnings"].empty());
+}
+
+TEST_CASE("several places are open, each with its own view") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  fs::copy(test::tinyScene(), folder / "other", fs::copy_options::recursive);
+  const json report = whileViewing({test::tinyScene(), folder / "other", "--size", "320x240"}, [](const std::string&) {
+    sleepFor(1);
+    hold("w", 0.4);
+    xdotool({"key", "ctrl+Next"});
+    sleepFor(0.5);
+    hold("s", 0.4);
+  });
+  REQUIRE(report["places"].size() == 2);
+  CHECK(glm::distance(positionOf(report["places"][0]), positionOf(report["places"][1])) > 0.01);
+}
+
+TEST_CASE("what cannot be opened is said, and the window stays") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  writeFile(folder / "scene.gltf", "{");
+  const auto outcome = view({folder / "none", folder.path(), test::tinyScene(), "--frames", "2", "--size", "320x240"});
+  CHECK(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  CHECK(report["places"].size() == 1);
+  CHECK(report["warnings"].size() == 2);
+  CHECK_THAT(outcome.err, Contains("none") && Contains("missing"));
+  CHECK(view({folder / "none", "--frames", "2"}).code == 4);
+}
+
+TEST_CASE("the viewer says what it is and what it needs") {
+  const auto run = [](std::vector<std::string> arguments, std::vector<std::string> environment = {}) {
+    return test::runProgram(arguments, {.program = IBR_VIEWER, .environment = std::move(environment)});
+  };
+  const auto help = run({"--help"});
+  CHECK(help.code == 0);
+  CHECK_THAT(help.out, Contains("ibr-viewer scene") && Contains("--preset") && Contains("--screenshot"));
+  CHECK_THAT(run({"--version"}).out, Contains("ibr-viewer"));
+  const auto wrong = run({"--nonsense"});
+  CHECK(wrong.code == 1);
+  CHECK_THAT(wrong.err, Contains("--nonsense") && Contains("--help"));
+  const auto blind = run({"--frames", "1"}, {"DISPLAY=:987654", "WAYLAND_DISPLAY="});
+  CHECK(blind.code == 5);
+  CHECK_THAT(blind.err, Contains("window"));
+}
