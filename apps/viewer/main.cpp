@@ -46,6 +46,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--forget", o.forget,
                "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
   app.add_flag("--validation", o.session.validation, "Vulkan's validation layers say what is wrong");
+  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.settings);
     declareGpuScene(app, o.session.gpuScene);

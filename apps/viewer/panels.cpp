@@ -83,7 +83,7 @@ void showAll(PanelInput& input) {
     }
   }
   if (viewer.showHelp) showHelp(input);
-  if (viewer.showInterface || !viewer.opening.empty()) showMessage(input);
+  if (viewer.showInterface || !viewer.opening.empty() || !viewer.building.empty()) showMessage(input);
 }
 
 void showHelp(PanelInput& input) {
@@ -108,6 +108,7 @@ void showWelcome(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
   ImGui::TextUnformatted("Drop a folder here:");
+  ImGui::BulletText("photographs of one place, which overlap well: they are made a scene");
   ImGui::BulletText("a scene, as ibr build makes it");
   ImGui::BulletText("a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them");
   ImGui::Spacing();
@@ -119,11 +120,18 @@ void showMessage(PanelInput& input) {
   Viewer& viewer = input.viewer;
   const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
   if (!still) viewer.message.clear();
-  if (!still && viewer.opening.empty()) return;
+  if (!still && viewer.opening.empty() && viewer.building.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1});
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
+  for (const auto& job : viewer.building) {
+    ImGui::PushID(job.get());
+    if (ImGui::SmallButton("stop")) job->cancel();
+    ImGui::SameLine();
+    ImGui::Text("making %s: %s", job->scene().filename().string().c_str(), job->progress().c_str());
+    ImGui::PopID();
+  }
   if (still) {
     ImGui::PushTextWrapPos(0.8f * size.x);
     ImGui::TextUnformatted(viewer.message.c_str());

@@ -60,7 +60,7 @@ double Session::pause() const {
   if (redraws_ > 0 || pictureWanted_) return 0;
   const auto now = std::chrono::steady_clock::now();
   // A message goes away, a place may have been read.
-  return viewer_.messageUntil > now || !viewer_.opening.empty() ? 0.1 : 3600;
+  return viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.building.empty() ? 0.1 : 3600;
 }
 
 void Session::run() {
@@ -72,7 +72,8 @@ void Session::run() {
       redraws_ = 3;
       pictureWanted_ = true;
     }
-    if (!viewer_.opening.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
+    if (!viewer_.opening.empty() || !viewer_.building.empty() || !viewer_.message.empty())
+      redraws_ = std::max(redraws_, 1);
     if (redraws_ == 0 && !pictureWanted_) continue;
     if (!draw()) {
       window_.handleEvents(0.1);
@@ -80,8 +81,8 @@ void Session::run() {
     }
     redraws_ = std::max(0, redraws_ - 1);
     forgetClosed();
-    const bool opened = viewer_.opening.empty() && viewer_.place();
-    if (options_.frames > 0 && (opened || viewer_.opening.empty()) && ++shown >= options_.frames) break;
+    const bool ready = viewer_.opening.empty() && viewer_.building.empty();
+    if (options_.frames > 0 && ready && ++shown >= options_.frames) break;
   }
   if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
 }
@@ -152,7 +153,9 @@ bool Session::draw() {
   const double seconds = std::chrono::duration<double>(now - last_).count();
   last_ = now;
   ++frame_;
+  ++viewer_.frames;
   try {
+    check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "(for a test)");
     viewer_.deviceTimes = timers_[frame->slot]->read();
     timers_[frame->slot]->reset(frame->commands);
     showPanels();
@@ -177,7 +180,7 @@ bool Session::draw() {
     return true;
   }
   swapchain_.end(*frame);
-  viewer_.frameMilliseconds[viewer_.frames++ % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
+  viewer_.frameMilliseconds[viewer_.frames % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
   if (viewer_.wantsScreenshot) {
     viewer_.wantsScreenshot = false;
     takeScreenshot(freeScreenshotFile(options_.screenshots));

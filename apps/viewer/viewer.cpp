@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ibr/asset.h"
 #include "ibr/error.h"
 #include "viewer/window.h"
 
@@ -19,6 +20,15 @@ void Viewer::open(const fs::path& path) {
       current = i;
       return;
     }
+  if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
+    try {
+      building.push_back(std::make_unique<BuildJob>(path));
+      say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
+    } catch (const Error& e) {
+      say(LogLevel::error, e.what());
+    }
+    return;
+  }
   opening.push_back({path, std::async(std::launch::async, [path] {
                        struct Wake {
                          ~Wake() { wakeWindow(); }
@@ -27,8 +37,23 @@ void Viewer::open(const fs::path& path) {
                      })});
 }
 
+bool Viewer::takeBuilt() {
+  const std::size_t before = building.size();
+  for (std::size_t i = building.size(); i-- > 0;) {
+    const BuildJob& job = *building[i];
+    const BuildJob::State state = job.state();
+    if (state == BuildJob::State::running) continue;
+    if (state == BuildJob::State::done) open(job.scene());
+    if (state == BuildJob::State::cancelled)
+      say(LogLevel::info, fmt::format("{}: stopped", job.photographs().string()));
+    if (state == BuildJob::State::failed) say(LogLevel::error, job.progress());
+    building.erase(building.begin() + std::ptrdiff_t(i));
+  }
+  return building.size() != before;
+}
+
 bool Viewer::takeOpened() {
-  bool any = false;
+  bool any = takeBuilt();
   for (std::size_t i = 0; i < opening.size();) {
     if (opening[i].place.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
       ++i;

@@ -13,6 +13,7 @@
 
 #include "gpu/scope.h"
 #include "ibr/log.h"
+#include "viewer/build_job.h"
 #include "viewer/place.h"
 
 namespace ibr::app {
@@ -33,6 +34,7 @@ struct Viewer {
   std::size_t current = 0;                     // of places, where there is one
   std::size_t shownTab = 0;                    // of places, in the panel
   std::vector<Opening> opening;
+  std::vector<std::unique_ptr<BuildJob>> building;
   std::deque<LogLine> log;
   LogCallback mirror;    // also gets what is said
   RenderSettings first;  // of scenes when they are opened
@@ -52,11 +54,12 @@ struct Viewer {
 
   Place* place() { return current < places.size() ? places[current].get() : nullptr; }
 
-  /// Begins to read a place; a path that is open already is shown.
+  /// Begins to read a place; a path that is open already is shown. A folder of photographs is made a scene first.
   void open(const std::filesystem::path& path);
-  /// Takes what has been read. Says whether anything has.
+  /// Takes what has been read, and opens what has been built. Says whether there was anything.
   bool takeOpened();
   void closeCurrent();
+  bool takeBuilt();
   void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
 };
 

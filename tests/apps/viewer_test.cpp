@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `ibr-viewer`, driven by keys and the mouse as a person would.
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
@@ -187,6 +188,53 @@ TEST_CASE("what cannot be opened is said, and the window stays") {
   CHECK(report["warnings"].size() == 2);
   CHECK_THAT(outcome.err, Contains("none") && Contains("missing"));
   CHECK(view({folder / "none", "--frames", "2"}).code == 4);
+}
+
+TEST_CASE("a device that is lost is made anew, and everything with it") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const auto shown = [&](const char* name, std::vector<std::string> more) {
+    std::vector<std::string> arguments{test::tinyScene(), "--size",     "320x240", "--frames", "5",
+                                       "--screenshot",    folder / name};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return view(arguments);
+  };
+  REQUIRE(shown("kept.png", {}).code == 0);
+  const auto outcome = shown("lost.png", {"--lose-device", "3"});
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.err, Contains("lost"));
+  CHECK(readFile(folder / "lost.png") == readFile(folder / "kept.png"));
+}
+
+TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  fs::copy(test::tinySet().photographs, folder / "photos", fs::copy_options::recursive);
+  const auto outcome =
+      view({folder / "photos", "--size", "320x240", "--frames", "2", "--screenshot", folder / "shot.png"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
+  const json report = json::parse(outcome.out);
+  REQUIRE(report["places"].size() == 1);
+  CHECK_THAT(report["places"][0]["place"].get<std::string>(), Contains("photos-scene"));
+
+  fs::create_directories(folder / "broken/sparse");
+  writeFile(folder / "broken/a.jpg", "no picture");
+  writeFile(folder / "broken/b.jpg", "no picture");
+  writeFile(folder / "broken/sparse/images.txt", "no model");
+  const auto broken = view({folder / "broken", test::tinyScene(), "--size", "320x240", "--frames", "2"});
+  CHECK(broken.code == 0);
+  CHECK_THAT(broken.err, Contains("broken"));
+  CHECK(json::parse(broken.out)["places"].size() == 1);
+}
+
+TEST_CASE("building is stopped when the viewer is closed") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  fs::copy(test::tinySet().photographs, folder / "photos", fs::copy_options::recursive);
+  whileViewing({folder / "photos", "--size", "320x240"}, [](const std::string&) {});  // closed at once
+  CHECK(std::system(("pgrep -f '" + (folder / "photos").string() + "[-]scene' >/dev/null").c_str()) != 0);
 }
 
 TEST_CASE("the viewer says what it is and what it needs") {
