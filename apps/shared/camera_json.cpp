@@ -3,14 +3,12 @@
 
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
-#include <numbers>
 
 namespace ibr::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestNumber = 1e15;
 constexpr int kLargestSide = 65536;
 
 // −0 is 0: one view, one text.
@@ -33,7 +31,7 @@ void addPose(Json& json, const Pose& pose) {
 Pose poseOf(const JsonField& object) {
   const JsonField position = object.at("position");
   position.size(3, 3);
-  const auto coordinate = [&](std::size_t i) { return position.at(i).number(-kLargestNumber, kLargestNumber); };
+  const auto coordinate = [&](std::size_t i) { return position.at(i).number(-kLargestCoordinate, kLargestCoordinate); };
   const glm::dvec3 p(coordinate(0), coordinate(1), coordinate(2));
   const JsonField rotation = object.at("rotation");
   rotation.size(4, 4);
@@ -44,7 +42,7 @@ Pose poseOf(const JsonField& object) {
 }
 
 double fovOf(const JsonField& object) {
-  return object.at("fovY").number(1e-3, std::numbers::pi - 1e-3);
+  return object.at("fovY").number(kNarrowestFov, kWidestFov);
 }
 
 Json intrinsicsJson(const Intrinsics& k) {
@@ -67,10 +65,10 @@ Intrinsics intrinsicsOf(const JsonField& object) {
     k.model = CameraModel::equirectangular;
     return k;
   }
-  k.fx = object.at("fx").number(1e-9, kLargestNumber);
-  k.fy = object.at("fy").number(1e-9, kLargestNumber);
-  k.cx = object.at("cx").number(-kLargestNumber, kLargestNumber);
-  k.cy = object.at("cy").number(-kLargestNumber, kLargestNumber);
+  k.fx = object.at("fx").number(1e-9, kLargestCoordinate);
+  k.fy = object.at("fy").number(1e-9, kLargestCoordinate);
+  k.cx = object.at("cx").number(-kLargestCoordinate, kLargestCoordinate);
+  k.cy = object.at("cy").number(-kLargestCoordinate, kLargestCoordinate);
   return k;
 }
 

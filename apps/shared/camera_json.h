@@ -2,10 +2,15 @@
 // Cameras as JSON, the same in camera paths, in views as text and inside pictures.
 #pragma once
 
+#include <numbers>
+
 #include "ibr/camera.h"
 #include "shared/json_field.h"
 
 namespace ibr::app {
+
+constexpr double kLargestCoordinate = 1e15;
+constexpr double kNarrowestFov = 1e-3, kWidestFov = std::numbers::pi - 1e-3;  // radians
 
 /// A unit quaternion as it is, any other divided by its length: dividing twice would move the last bits, and pictures
 /// of one view would differ.

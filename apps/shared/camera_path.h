@@ -37,6 +37,10 @@ Camera cameraAt(const CameraPath& path, double time);
 /// One view every 1/fps s from the first key to the last, named frame_0000, frame_0001, …
 std::vector<View> frames(const CameraPath& path);
 
+/// Throws Error{invalidInput} that names `name` and the field where readCameraPath would: sizes from 1 to 65536, fps
+/// from 0.001 to 1000, keys at least a microsecond apart, within a day and a million frames.
+void checkCameraPath(const CameraPath& path, const std::string& name);
+
 /// The form of the file: {"version":1,"size":[w,h],"fps":30,"keys":[{"time","position":[x,y,z],"rotation":[x,y,z,w],
 /// "fovY" in radians}]}. Throws Error (io, invalidInput) that names file and field.
 CameraPath readCameraPath(const std::filesystem::path& file);

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
 #include "base/file.h"
 #include "shared/camera_json.h"
 #include "shared/camera_path.h"
@@ -11,7 +14,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr std::uint64_t kLargestFile = 64 << 20;
-constexpr double kLongest = 24 * 3600.0, kFastest = 1000;  // s, frames a second
+constexpr int kLargestSide = 65536;
+constexpr double kLongest = 24 * 3600.0, kShortest = 1e-6;  // s, the whole and a step
+constexpr double kSlowest = 1e-3, kFastest = 1000;          // frames a second
 constexpr double kMostFrames = 1e6;
 
 }  // namespace
@@ -24,9 +29,9 @@ CameraPath readCameraPath(const std::filesystem::path& file) {
   CameraPath path;
   const JsonField size = root.at("size");
   size.size(2, 2);
-  path.width = size.at(std::size_t(0)).integer(1, 65536);
-  path.height = size.at(std::size_t(1)).integer(1, 65536);
-  path.fps = root.at("fps").number(1e-3, kFastest);
+  path.width = size.at(std::size_t(0)).integer(1, kLargestSide);
+  path.height = size.at(std::size_t(1)).integer(1, kLargestSide);
+  path.fps = root.at("fps").number(kSlowest, kFastest);
   const JsonField keys = root.at("keys");
   const std::size_t count = keys.size(1, 1'000'000);
   for (std::size_t i = 0; i < count; ++i) {
@@ -34,11 +39,32 @@ CameraPath readCameraPath(const std::filesystem::path& file) {
     const JsonField time = key.at("time");
     const Pose pose = poseOf(key);
     path.keys.push_back({time.number(-kLongest, kLongest), pose.position, pose.rotation, fovOf(key)});
-    if (i > 0) time.wanted(path.keys[i].time - path.keys[i - 1].time >= 1e-6, "later than the key before");
+    if (i > 0) time.wanted(path.keys[i].time - path.keys[i - 1].time >= kShortest, "later than the key before");
   }
   const double frameCount = (path.keys.back().time - path.keys.front().time) * path.fps;
   keys.wanted(frameCount <= kMostFrames, "at most {} frames", kMostFrames);
   return path;
+}
+
+void checkCameraPath(const CameraPath& path, const std::string& name) {
+  const auto wanted = [&](bool holds, const std::string& place, const char* what) {
+    check(holds, ErrorCode::invalidInput, "{}: /{}: {}", name, place, what);
+  };
+  const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
+  wanted(within(path.width, 1, kLargestSide) && within(path.height, 1, kLargestSide), "size", "is no size");
+  wanted(within(path.fps, kSlowest, kFastest), "fps", "is too small or too large");
+  wanted(!path.keys.empty(), "keys", "are none");
+  for (std::size_t i = 0; i < path.keys.size(); ++i) {
+    const CameraKey& key = path.keys[i];
+    const std::string place = fmt::format("keys/{}/", i);
+    wanted(within(key.time, -kLongest, kLongest), place + "time", "is not within a day");
+    wanted(i == 0 || key.time - path.keys[i - 1].time >= kShortest, place + "time", "is not later than the key before");
+    for (int axis = 0; axis < 3; ++axis)
+      wanted(std::abs(key.position[axis]) <= kLargestCoordinate, place + "position", "is not finite or too large");
+    wanted(std::abs(glm::length(key.rotation) - 1.0) < 1e-3, place + "rotation", "is no unit quaternion");
+    wanted(within(key.fovY, kNarrowestFov, kWidestFov), place + "fovY", "is no field of view");
+  }
+  wanted((path.keys.back().time - path.keys.front().time) * path.fps <= kMostFrames, "keys", "make too many frames");
 }
 
 void writeCameraPath(const std::filesystem::path& file, const CameraPath& path) {

@@ -21,6 +21,12 @@ std::vector<Pose> posesOf(const Scene& scene) {
   return poses;
 }
 
+std::vector<Pose> posesOf(const HtmModel& model) {
+  std::vector<Pose> poses;
+  for (const HtmCamera& camera : model.cameras) poses.push_back(camera.camera.pose);
+  return poses;
+}
+
 Floor floorBelow(const Scene& scene, double eyeHeight) {
   const auto up = upOf(posesOf(scene));
   check(up.has_value(), ErrorCode::invalidInput,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/htm_model.h"
 #include "ibr/renderer.h"
 
 namespace ibr::app {
@@ -15,6 +16,7 @@ namespace ibr::app {
 std::optional<glm::dvec3> upOf(const std::vector<Pose>& cameras);
 
 std::vector<Pose> posesOf(const Scene& scene);
+std::vector<Pose> posesOf(const HtmModel& model);
 
 /// A guiding floor `eyeHeight` > 0 (world units) below the middle of the photographs, level as they were held. Throws
 /// Error{invalidInput} where they do not tell where up is.
