@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `ibr-viewer`, driven by keys and the mouse as a person would.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <glm/geometric.hpp>
@@ -233,7 +234,18 @@ TEST_CASE("building is stopped when the viewer is closed") {
   if (!canView()) return;
   test::TemporaryFolder folder;
   fs::copy(test::tinySet().photographs, folder / "photos", fs::copy_options::recursive);
+  // So large that making a scene of them takes long.
+  for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
+    const Image8 small = readImage(folder / "photos" / name);
+    constexpr int kLarger = 10;
+    Image8 large(kLarger * small.width, kLarger * small.height, 3);
+    for (int y = 0; y < large.height; ++y)
+      for (int x = 0; x < large.width; ++x)
+        std::ranges::copy(small.pixel(x / kLarger, y / kLarger).first(3), large.pixel(x, y).begin());
+    writeImage(folder / "photos" / name, large);
+  }
   whileViewing({folder / "photos", "--size", "320x240"}, [](const std::string&) {});  // closed at once
+  CHECK(!fs::exists(folder / "photos-scene/scene.gltf"));
   CHECK(std::system(("pgrep -f '" + (folder / "photos").string() + "[-]scene' >/dev/null").c_str()) != 0);
 }
 
