@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <limits>
+#include <optional>
 #include <utility>
 
 namespace ibr::app {
@@ -20,13 +18,19 @@ constexpr std::array kKeys{
     KeyHelp{"W A S D", "move"},
     KeyHelp{"Q E", "down, up"},
     KeyHelp{"right mouse button", "look around"},
-    KeyHelp{"shift, ctrl", "faster, slower"},
+    KeyHelp{"middle mouse button", "go round what lies under it"},
+    KeyHelp{"shift, alt", "faster, slower"},
     KeyHelp{"mouse wheel", "speed; with ctrl the field of view"},
     KeyHelp{"[ ]", "previous, next photograph"},
     KeyHelp{"backspace", "the nearest photograph"},
     KeyHelp{"ctrl page up, down", "previous, next place that is open"},
     KeyHelp{"space", "3D video: play, pause"},
+    KeyHelp{"L", "level the horizon"},
+    KeyHelp{"B", "stay near the photographs, or go anywhere"},
+    KeyHelp{"K, J", "key of a camera path here; show the path"},
+    KeyHelp{"ctrl S", "save the path, as ibr render --poses takes it"},
     KeyHelp{"P", "screenshot"},
+    KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},
     KeyHelp{"F1", "this help"},
     KeyHelp{"F2", "hide and show the interface"},
     KeyHelp{"ctrl W", "close the place"},
@@ -37,67 +41,51 @@ double down(int key) {
   return ImGui::IsKeyDown(key) ? 1.0 : 0.0;
 }
 
-// Whether the view was turned or moved.
-bool fly(Place& place, double seconds) {
+NavigationInput handsOf(Place& place, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
-  bool moved = false;
-  // Where the button goes down the way that the mouse came there is no look.
-  const bool looks = ImGui::IsMouseDown(ImGuiMouseButton_Right) && !ImGui::IsMouseClicked(ImGuiMouseButton_Right);
-  if (!io.WantCaptureMouse && io.MouseWheel != 0) {
-    if (io.KeyCtrl) {
-      place.fovY = std::clamp(place.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
-      moved = true;
-    } else {
-      place.speed *= std::exp(0.2 * double(io.MouseWheel));
-    }
-  }
-  if (!io.WantCaptureMouse && looks && (io.MouseDelta.x != 0 || io.MouseDelta.y != 0)) {
-    const double perPixel = place.fovY / double(io.DisplaySize.y);
-    const glm::dvec3 right = place.pose.rotation * glm::dvec3(1, 0, 0);
-    const glm::dquat yaw = glm::angleAxis(-double(io.MouseDelta.x) * perPixel, place.up);
-    const glm::dquat pitch = glm::angleAxis(-double(io.MouseDelta.y) * perPixel, right);
-    const glm::dquat turned = glm::normalize(yaw * pitch * place.pose.rotation);
-    const glm::dvec3 forward = turned * glm::dvec3(0, 0, -1);
-    if (std::abs(glm::dot(forward, place.up)) < 0.999) {
-      // Upright: what the photograph was tilted by goes as soon as the view is turned.
-      const glm::dvec3 level = glm::normalize(glm::cross(forward, place.up));
-      place.pose.rotation = glm::quat_cast(glm::dmat3(level, glm::cross(level, forward), -forward));
-      moved = true;
-    }
-  }
-  if (!io.WantTextInput && !io.KeyCtrl) {
-    const glm::dvec3 along(down(GLFW_KEY_D) - down(GLFW_KEY_A), 0, down(GLFW_KEY_S) - down(GLFW_KEY_W));
-    const glm::dvec3 way = place.pose.rotation * along + place.up * (down(GLFW_KEY_E) - down(GLFW_KEY_Q));
-    if (const double length = glm::length(way); length > 0) {
-      const double faster = io.KeyShift ? 4 : 1;
-      place.pose.position += way / length * (place.speed * faster * seconds);
-      moved = true;
-    }
-  }
-  if (moved) place.snapped = std::size_t(-1);
-  return moved;
+  NavigationInput hands{.seconds = seconds, .fast = io.KeyShift};
+  const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
+  // Where a button goes down, the way that the mouse came there is not meant.
+  const auto holds = [&](ImGuiMouseButton button) {
+    return !io.WantCaptureMouse && ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
+  };
+  if (holds(ImGuiMouseButton_Right)) hands.look = pulled;
+  if (holds(ImGuiMouseButton_Middle)) hands.orbit = pulled;
+  if (!io.WantCaptureMouse && io.KeyCtrl)
+    place.walk.fovY = std::clamp(place.walk.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
+  else if (!io.WantCaptureMouse)
+    hands.wheel = double(io.MouseWheel);
+  if (!io.WantTextInput && !io.KeyCtrl)
+    hands.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
+                  down(GLFW_KEY_S) - down(GLFW_KEY_W)};
+  hands.slow = !io.KeyCtrl && ImGui::GetIO().KeyAlt;
+  return hands;
 }
 
-std::size_t nearestViewpoint(const Place& place) {
-  std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < place.viewpoints.size(); ++i)
-    if (const double d = glm::distance(place.viewpoints[i].camera.pose.position, place.pose.position); d < least)
-      least = d, nearest = i;
-  return nearest;
+void goTo(Place& place, std::optional<std::size_t> viewpoint) {
+  if (viewpoint) place.flyToViewpoint(*viewpoint);
 }
 
 // Those about the place that is shown.
 void pressInPlace(Viewer& viewer, Place& place, int key) {
-  const std::size_t n = place.viewpoints.size();
-  const bool snapped = place.snapped < n;
   switch (key) {
     case GLFW_KEY_RIGHT_BRACKET:
-      return place.snapTo(snapped ? (place.snapped + 1) % n : nearestViewpoint(place));
+      return goTo(place, nextCamera(place.poses(), place.walk.pose, 1));
     case GLFW_KEY_LEFT_BRACKET:
-      return place.snapTo(snapped ? (place.snapped + n - 1) % n : nearestViewpoint(place));
+      return goTo(place, nextCamera(place.poses(), place.walk.pose, -1));
     case GLFW_KEY_BACKSPACE:
-      return place.snapTo(nearestViewpoint(place));
+      return goTo(place, nearestCamera(place.poses(), place.walk.pose));
+    case GLFW_KEY_L:
+      place.walk.pose = levelled(place.walk.pose, place.walk.up);
+      place.changed = true;
+      return;
+    case GLFW_KEY_K:
+      return place.addRouteKey();
+    case GLFW_KEY_J:
+      return place.showRoute();
+    case GLFW_KEY_B:
+      place.bounded = !place.bounded;
+      return;
     case GLFW_KEY_SPACE:
       place.playing = place.video && !place.playing;
       return;
@@ -116,6 +104,9 @@ void pressOne(Viewer& viewer, const KeyPress& press) {
     const std::size_t n = viewer.places.size();
     if (press.key == GLFW_KEY_Q) viewer.wantsClose = true;
     if (press.key == GLFW_KEY_W) viewer.closeCurrent();
+    if (press.key == GLFW_KEY_S) viewer.wantsRoute = true;
+    if (press.key == GLFW_KEY_C) viewer.wantsCopy = true;
+    if (press.key == GLFW_KEY_V) viewer.wantsPaste = true;
     if (press.key == GLFW_KEY_PAGE_DOWN && n > 0) viewer.current = (viewer.current + 1) % n;
     if (press.key == GLFW_KEY_PAGE_UP && n > 0) viewer.current = (viewer.current + n - 1) % n;
     return;
@@ -134,8 +125,28 @@ void press(Viewer& viewer, std::span<const KeyPress> keys) {
   for (const KeyPress& key : keys) pressOne(viewer, key);
 }
 
+// Any of them ends what is shown.
+bool handsMove(const NavigationInput& hands) {
+  return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
+}
+
 bool control(Place& place, double seconds) {
-  bool changed = fly(place, seconds);
+  const Pose before = place.walk.pose;
+  const double fovBefore = place.walk.fovY;
+  const NavigationInput hands = handsOf(place, seconds);
+  bool goesOn = navigate(place.walk, hands, place.bounded ? &place.bounds : nullptr);
+  if (place.showingRoute && !handsMove(hands)) {
+    const CameraKey& last = place.route.keys.back();
+    const Camera shown = cameraAt(place.route, place.route.keys.front().time + place.routeTime);
+    place.walk.pose = shown.pose;
+    place.walk.fovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
+    place.routeTime += seconds;
+    goesOn = place.showingRoute = place.route.keys.front().time + place.routeTime < last.time;
+  } else {
+    place.showingRoute = false;
+  }
+  bool changed = goesOn || place.walk.pose.position != before.position || place.walk.pose.rotation != before.rotation ||
+                 place.walk.fovY != fovBefore;
   if (place.video && place.playing) {
     place.time = std::fmod(place.time + seconds, place.video->duration());
     changed = true;

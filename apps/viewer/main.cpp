@@ -40,7 +40,7 @@ void declare(CLI::App& app, Options& o) {
   addInt(app, "--frames", o.session.frames, 0, 1000000000,
          "Ends after so many frames of what is opened; 0: when closed");
   app.add_option("--screenshot", o.screenshot, "Picture of the view, written when the program ends")->type_name("FILE");
-  app.add_option("--screenshots", o.screenshots, "Folder for the pictures that P takes [the current one]")
+  app.add_option("--screenshots", o.screenshots, "Folder for pictures and camera paths [the current one]")
       ->type_name("DIR");
   app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
   app.add_flag("--forget", o.forget,
@@ -77,13 +77,13 @@ std::string report(const Viewer& viewer, const Window& window) {
   using Json = nlohmann::ordered_json;
   Json places = Json::array();
   for (const auto& place : viewer.places) {
-    const glm::dvec3& p = place->pose.position;
-    const glm::dquat& q = place->pose.rotation;
+    const glm::dvec3& p = place->walk.pose.position;
+    const glm::dquat& q = place->walk.pose.rotation;
     places.push_back({{"place", place->path.string()},
                       {"photographs", place->viewpoints.size()},
                       {"position", {p.x, p.y, p.z}},
                       {"rotation", {q.x, q.y, q.z, q.w}},
-                      {"fovY", place->fovY}});
+                      {"fovY", place->walk.fovY}});
   }
   const VkExtent2D size = window.pixels();
   Json log = Json::array();

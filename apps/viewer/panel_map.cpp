@@ -45,7 +45,7 @@ void showMap(PanelInput& input) {
     map.high = glm::max(map.high, map.view.flat(world));
   };
   for (const Viewpoint& v : place.viewpoints) include(v.camera.pose.position);
-  include(place.pose.position);
+  include(place.walk.pose.position);
   map.low -= place.step;
   map.high += place.step;
 
@@ -81,9 +81,9 @@ void showMap(PanelInput& input) {
     const float dx = mouse.x - at.x, dy = mouse.y - at.y;
     if (!ImGui::IsItemHovered() || dx * dx + dy * dy > 9 * dot * dot) continue;
     ImGui::SetTooltip("%s", place.viewpoints[i].name.c_str());
-    if (pressed) place.snapTo(i);
+    if (pressed) place.flyToViewpoint(i);
   }
-  arrow(place.pose, IM_COL32(255, 255, 255, 255), 1.6f * look);
+  arrow(place.walk.pose, IM_COL32(255, 255, 255, 255), 1.6f * look);
   list.PopClipRect();
 }
 

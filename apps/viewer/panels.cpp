@@ -16,9 +16,9 @@ struct Tab {
   const char* name;
   void (*show)(PanelInput&);
 };
-constexpr std::array kTabs{Tab{"View", showView}, Tab{"Settings", showSettings}, Tab{"Cells", showCells},
-                           Tab{"Map", showMap},   Tab{"Times", showTimes},       Tab{"Memory", showMemory},
-                           Tab{"Log", showLog}};
+constexpr std::array kTabs{
+    Tab{"View", showView},  Tab{"Settings", showSettings}, Tab{"Cells", showCells},   Tab{"Map", showMap},
+    Tab{"Path", showRoute}, Tab{"Times", showTimes},       Tab{"Memory", showMemory}, Tab{"Log", showLog}};
 
 // Places that are open, and what else can be done with the mouse alone.
 void showPlaces(PanelInput& input) {

@@ -28,6 +28,7 @@ void showView(PanelInput& input);
 void showSettings(PanelInput& input);
 void showCells(PanelInput& input);
 void showMap(PanelInput& input);
+void showRoute(PanelInput& input);
 void showTimes(PanelInput& input);
 void showMemory(PanelInput& input);
 void showLog(PanelInput& input);

@@ -2,39 +2,20 @@
 #include "viewer/place.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "base/check.h"
 #include "ibr/asset.h"
 #include "io/image_file.h"
 #include "shared/htm_renderer.h"
+#include "shared/path_recorder.h"
+#include "shared/up.h"
 
 namespace fs = std::filesystem;
 
 namespace ibr::app {
 namespace {
-
-glm::dvec3 upOf(const std::vector<Viewpoint>& viewpoints) {
-  glm::dvec3 sum(0);
-  for (const Viewpoint& v : viewpoints) sum += v.camera.pose.rotation * glm::dvec3(0, 1, 0);
-  const double length = glm::length(sum);
-  return length > 0.1 * double(viewpoints.size()) ? sum / length : glm::dvec3(0, 1, 0);
-}
-
-double stepOf(const std::vector<Viewpoint>& viewpoints) {
-  std::vector<double> nearest;
-  for (const Viewpoint& a : viewpoints) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Viewpoint& b : viewpoints)
-      if (const double d = glm::distance(a.camera.pose.position, b.camera.pose.position); d > 0)
-        least = std::min(least, d);
-    if (std::isfinite(least)) nearest.push_back(least);
-  }
-  if (nearest.empty()) return 1;
-  std::ranges::nth_element(nearest, nearest.begin() + std::ptrdiff_t(nearest.size() / 2));
-  return nearest[nearest.size() / 2];
-}
 
 void addModel(Place& place, HtmModel model) {
   for (const HtmCamera& camera : model.cameras) place.viewpoints.push_back({camera.name, camera.camera});
@@ -42,12 +23,12 @@ void addModel(Place& place, HtmModel model) {
 }
 
 // The photograph nearest to the middle of all.
-std::size_t middleOf(const std::vector<Viewpoint>& viewpoints) {
+std::size_t middleOf(const std::vector<Pose>& poses) {
   glm::dvec3 middle(0);
-  for (const Viewpoint& v : viewpoints) middle += v.camera.pose.position / double(viewpoints.size());
-  const auto nearest = std::ranges::min_element(
-      viewpoints, {}, [&](const Viewpoint& v) { return glm::distance(v.camera.pose.position, middle); });
-  return std::size_t(nearest - viewpoints.begin());
+  for (const Pose& pose : poses) middle += pose.position / double(poses.size());
+  const auto nearest =
+      std::ranges::min_element(poses, {}, [&](const Pose& pose) { return glm::distance(pose.position, middle); });
+  return std::size_t(nearest - poses.begin());
 }
 
 }  // namespace
@@ -73,25 +54,45 @@ Place openPlace(const fs::path& path) {
       break;
   }
   check(!place.viewpoints.empty(), ErrorCode::invalidInput, "{}: has no photographs", path.string());
-  place.up = upOf(place.viewpoints);
-  place.step = stepOf(place.viewpoints);
-  place.speed = place.step;
-  place.snapTo(middleOf(place.viewpoints));
+  const std::vector<Pose> poses = place.poses();
+  place.step = neighbourDistance(poses).value_or(1);
+  for (const Pose& pose : poses) place.bounds.places.push_back(pose.position);
+  place.bounds.neighbours = place.scene ? cellNeighbours(*place.scene) : nearNeighbours(poses, 3);
+  place.bounds.radius = place.step;
+  place.walk.up = upOf(poses).value_or(glm::dvec3(0, 1, 0));
+  place.walk.speed = firstSpeed(poses);
+  if (place.model) place.walk.centre = htmBounds(*place.model).middle;
+  place.flyToViewpoint(middleOf(poses), 0);
   return place;
 }
 
-void Place::snapTo(std::size_t viewpoint) {
+std::vector<Pose> Place::poses() const {
+  std::vector<Pose> all;
+  for (const Viewpoint& v : viewpoints) all.push_back(v.camera.pose);
+  return all;
+}
+
+void Place::flyToViewpoint(std::size_t viewpoint, double seconds) {
   constexpr double kOfPanorama = 1.2;  // rad
   const Camera& camera = viewpoints[viewpoint].camera;
   const Intrinsics& k = camera.intrinsics;
-  pose = camera.pose;
-  fovY = k.model == CameraModel::pinhole ? 2 * std::atan(0.5 * k.height / k.fy) : kOfPanorama;
-  snapped = viewpoint;
+  flyTo(walk, camera.pose, k.model == CameraModel::pinhole ? 2 * std::atan(0.5 * k.height / k.fy) : kOfPanorama,
+        seconds);
+  changed = true;
+}
+
+void Place::addRouteKey() {
+  appendKey(route, walk.pose, walk.fovY, walk.speed);
+}
+
+void Place::showRoute() {
+  showingRoute = !route.keys.empty();
+  routeTime = 0;
   changed = true;
 }
 
 Camera cameraOf(const Place& place, VkExtent2D extent) {
-  return {pinholeFromFov(int(extent.width), int(extent.height), place.fovY), place.pose};
+  return {pinholeFromFov(int(extent.width), int(extent.height), place.walk.fovY), place.walk.pose};
 }
 
 bool sameView(const Camera& a, const Camera& b) {

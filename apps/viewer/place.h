@@ -12,6 +12,8 @@
 #include "ibr/htm.h"
 #include "ibr/htm_sequence.h"
 #include "ibr/renderer.h"
+#include "shared/camera_path.h"
+#include "shared/navigation.h"
 
 namespace ibr::app {
 
@@ -30,22 +32,30 @@ struct Place {
   std::unique_ptr<HtmSequence> video;
 
   std::vector<Viewpoint> viewpoints;
-  glm::dvec3 up{0, 1, 0};  // unit: as the photographs were held
-  double step = 1;         // median distance from a photograph to its nearest one, world units
+  double step = 1;       // median distance from a photograph to its nearest one, world units
+  RoamingBounds bounds;  // where views may be trusted
 
   // As it was left.
-  Pose pose;
-  double fovY = 1;
-  double speed = 1;                       // world units a second
-  std::size_t snapped = std::size_t(-1);  // of viewpoints, where the view stands; none: it has moved since
+  Navigation walk;
+  bool bounded = false;                 // the camera stays within `bounds`
+  CameraPath route{1280, 720, 30, {}};  // recorded key by key; the size is that of the window it is saved from
+  double routeTime = 0;                 // s, while it is shown
+  bool showingRoute = false;
   RenderSettings settings;
   HtmSettings htmSettings;
   double time = 0;  // s, of 3D video
   bool playing = false;
+  /// Puts a key of where the view is behind the route's last one; the way there takes as long as at the speed of
+  /// flying.
+  void addRouteKey();
+  /// Shows the route from its beginning, at its own rate.
+  void showRoute();
+
   bool changed = false;  // a panel has changed what is shown
 
-  /// To a photograph's view.
-  void snapTo(std::size_t viewpoint);
+  std::vector<Pose> poses() const;  // of viewpoints
+  /// To a photograph's view, in so many seconds.
+  void flyToViewpoint(std::size_t viewpoint, double seconds = 0.6);
 };
 
 /// Reads a place's files. For any thread. Throws Error that names the file.

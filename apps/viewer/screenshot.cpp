@@ -13,9 +13,9 @@ namespace fs = std::filesystem;
 
 namespace ibr::app {
 
-fs::path freeScreenshotFile(const fs::path& folder) {
+fs::path freeFile(const fs::path& folder, const char* name, const char* extension) {
   for (int number = 1;; ++number) {
-    fs::path file = folder / fmt::format("view_{:04d}.png", number);
+    fs::path file = folder / fmt::format("{}_{:04d}{}", name, number, extension);
     if (!fs::exists(file)) return file;
   }
 }

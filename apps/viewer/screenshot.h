@@ -10,8 +10,8 @@
 
 namespace ibr::app {
 
-/// FOLDER/view_0001.png or the first such number that is free.
-std::filesystem::path freeScreenshotFile(const std::filesystem::path& folder);
+/// FOLDER/NAME_0001.png, say, or the first such number that is free.
+std::filesystem::path freeFile(const std::filesystem::path& folder, const char* name, const char* extension);
 
 /// Writes what `ibr render` writes for the same view and settings. Throws Error{io}.
 void writeScreenshot(const std::filesystem::path& file, const Image8& image, const Place& place, VkExtent2D extent,

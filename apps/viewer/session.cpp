@@ -5,10 +5,12 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/check.h"
 #include "base/file.h"
 #include "gpu/barrier.h"
+#include "shared/view_text.h"
 #include "viewer/controls.h"
 #include "viewer/screenshot.h"
 
@@ -156,7 +158,7 @@ bool Session::draw() {
   ++viewer_.frames;
   try {
     check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "(for a test)");
-    viewer_.deviceTimes = timers_[frame->slot]->read();
+    if (auto times = timers_[frame->slot]->read(); !times.empty()) viewer_.deviceTimes = std::move(times);
     timers_[frame->slot]->reset(frame->commands);
     showPanels();
     const std::size_t before = viewer_.current, places = viewer_.places.size();
@@ -181,11 +183,44 @@ bool Session::draw() {
   }
   swapchain_.end(*frame);
   viewer_.frameMilliseconds[viewer_.frames % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
+  if (std::exchange(viewer_.wantsCopy, false))
+    if (const Place* place = viewer_.place())
+      window_.setClipboard(viewText({place->walk.pose, place->walk.fovY, place->walk.up}));
+  if (std::exchange(viewer_.wantsPaste, false)) paste();
+  if (std::exchange(viewer_.wantsRoute, false)) saveRoute();
   if (viewer_.wantsScreenshot) {
     viewer_.wantsScreenshot = false;
-    takeScreenshot(freeScreenshotFile(options_.screenshots));
+    takeScreenshot(freeFile(options_.screenshots, "view", ".png"));
   }
   return true;
+}
+
+void Session::paste() {
+  Place* place = viewer_.place();
+  if (!place) return;
+  try {
+    const TextView view = viewOf(window_.clipboard());
+    flyTo(place->walk, view.pose, view.fovY, 0);
+    place->changed = true;
+  } catch (const Error& e) {
+    viewer_.say(LogLevel::warning, std::string("The clipboard holds no view: ") + e.what());
+  }
+  redraws_ = 3;
+}
+
+void Session::saveRoute() {
+  Place* place = viewer_.place();
+  if (!place || place->route.keys.empty()) return;
+  place->route.width = int(picture_->target().extent.width);
+  place->route.height = int(picture_->target().extent.height);
+  const std::filesystem::path file = freeFile(options_.screenshots, "path", ".json");
+  try {
+    writeCameraPath(file, place->route);
+    viewer_.show(fmt::format("{} written", file.string()));
+  } catch (const Error& e) {
+    viewer_.say(LogLevel::error, e.what());
+  }
+  redraws_ = 3;
 }
 
 void Session::takeScreenshot(const std::filesystem::path& file) {
@@ -195,9 +230,7 @@ void Session::takeScreenshot(const std::filesystem::path& file) {
   const VkExtent2D extent = picture_->target().extent;
   const Image8 image = drawnPlace()->picture(extent, frame_);
   writeScreenshot(file, image, *place, extent, options_.gpuScene);
-  viewer_.say(LogLevel::info, fmt::format("{} written", file.string()));
-  viewer_.message = fmt::format("{} written", file.string());
-  viewer_.messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  viewer_.show(fmt::format("{} written", file.string()));
 }
 
 }  // namespace ibr::app

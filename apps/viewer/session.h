@@ -21,7 +21,7 @@ struct SessionOptions {
   std::filesystem::path pipelineCache;  // file; empty: none
   bool validation = false;
   GpuSceneOptions gpuScene;
-  std::size_t loseAtFrame = 0;  // of all frames: the device is as if lost then; 0: never. For tests
+  std::size_t loseAtFrame = 0;        // of all frames: the device is as if lost then; 0: never. For tests
   int frames = 0;                     // to show before it ends; 0: until the window is closed
   std::filesystem::path screenshot;   // written at the end; empty: none
   std::filesystem::path screenshots;  // folder for those that are asked for
@@ -46,6 +46,8 @@ class Session {
   bool draw();           // false: there is nothing to draw into now
   void showPanels();
   void recordPicture(const Swapchain::Frame& frame, double seconds);
+  void paste();
+  void saveRoute();
   void takeScreenshot(const std::filesystem::path& file);
   void forgetClosed();
   PlaceOnDevice* drawnPlace();

@@ -54,13 +54,10 @@ bool Viewer::takeBuilt() {
 
 bool Viewer::takeOpened() {
   bool any = takeBuilt();
-  for (std::size_t i = 0; i < opening.size();) {
-    if (opening[i].place.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
-      ++i;
-      continue;
-    }
-    Opening done = std::move(opening[i]);
-    opening.erase(opening.begin() + std::ptrdiff_t(i));
+  // In the order in which they were asked for.
+  while (!opening.empty() && opening[0].place.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    Opening done = std::move(opening[0]);
+    opening.erase(opening.begin());
     any = true;
     try {
       places.push_back(std::make_unique<Place>(done.place.get()));
@@ -78,6 +75,12 @@ void Viewer::closeCurrent() {
   if (!place()) return;
   places.erase(places.begin() + std::ptrdiff_t(current));
   current = std::min(current, places.empty() ? 0 : places.size() - 1);
+}
+
+void Viewer::show(std::string text) {
+  message = text;
+  messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  say(LogLevel::info, std::move(text));
 }
 
 void Viewer::say(LogLevel level, std::string text) {

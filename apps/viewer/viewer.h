@@ -41,7 +41,7 @@ struct Viewer {
 
   bool showInterface = true;  // F2
   bool showHelp = false;      // F1
-  bool wantsScreenshot = false;
+  bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false;
   bool wantsClose = false;
   std::string message;  // for a moment, over the picture
   std::chrono::steady_clock::time_point messageUntil{};
@@ -60,6 +60,7 @@ struct Viewer {
   bool takeOpened();
   void closeCurrent();
   bool takeBuilt();
+  void show(std::string text);                 // into the log, and over the picture for a moment
   void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
 };
 

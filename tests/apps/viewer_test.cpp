@@ -175,7 +175,61 @@ TEST_CASE("several places are open, each with its own view") {
     hold("s", 0.4);
   });
   REQUIRE(report["places"].size() == 2);
+  CHECK_THAT(report["places"][1]["place"].get<std::string>(), Contains("other"));
   CHECK(glm::distance(positionOf(report["places"][0]), positionOf(report["places"][1])) > 0.01);
+}
+
+TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const auto begin = json::parse(view({test::tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const auto report =
+      whileViewing({test::tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
+        xdotool({"key", "ctrl+c"});
+        sleepFor(0.3);
+        xdotool({"key", "k"});
+        hold("w", 0.4);
+        sleepFor(0.8);
+        xdotool({"key", "k"});
+        sleepFor(0.3);
+        xdotool({"key", "ctrl+s"});
+        sleepFor(0.3);
+        xdotool({"key", "p"});
+        sleepFor(1);
+        xdotool({"key", "ctrl+v"});
+        sleepFor(0.5);
+      });
+  CHECK(report["places"][0] == begin);  // pasted: where it was copied
+  REQUIRE(fs::exists(folder / "path_0001.json"));
+  REQUIRE(fs::exists(folder / "view_0001.png"));
+  const json path = json::parse(readTextFile(folder / "path_0001.json"));
+  REQUIRE(path["keys"].size() == 2);
+  CHECK(path["keys"][0]["position"] == begin["position"]);
+  CHECK(path["keys"][1]["position"] != begin["position"]);
+  // The last frame is what the viewer showed at the second key.
+  const auto played = test::runProgram(
+      {"render", test::tinyScene(), "--poses", folder / "path_0001.json", "-o", folder / "played", "--json", "-"});
+  INFO(played.err);
+  REQUIRE(played.code == 0);
+  const auto single = test::runProgram(
+      {"render", test::tinyScene(), "--poses", folder / "view_0001.png", "-o", folder / "single", "--json", "-"});
+  REQUIRE(single.code == 0);
+  const std::string shot = json::parse(single.out)["views"][0]["file"];
+  CHECK(readFile(shot) == readFile(folder / "view_0001.png"));
+}
+
+TEST_CASE("a bounded view stays near the photographs") {
+  if (!canView()) return;
+  const auto away = [](bool bounded) {
+    const auto report = whileViewing({test::tinyScene(), "--size", "320x240"}, [&](const std::string&) {
+      if (bounded) xdotool({"key", "b"});
+      sleepFor(0.2);
+      hold("Shift_L+w", 2.5);
+      sleepFor(0.5);
+    });
+    return glm::length(positionOf(report["places"][0]));
+  };
+  CHECK(away(true) < 0.6 * away(false));
 }
 
 TEST_CASE("what cannot be opened is said, and the window stays") {
