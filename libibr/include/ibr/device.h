@@ -17,6 +17,8 @@
 
 namespace ibr {
 
+struct ShaderReplacements;
+
 /// Vulkan's feature structures, chained on demand. Copies are unchained: call `link` on the object that is passed on.
 struct DeviceFeatures {
   VkPhysicalDeviceFeatures2 core{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
@@ -106,7 +108,13 @@ class Device {
   /// How many messages the validation layer has sent so far (0 without validation). Tests demand 0.
   std::uint64_t validationMessages() const noexcept;
 
+  /// Raised whenever a ShaderReloader (ibr/shader_reload.h) replaces shaders or takes some back: what was made from
+  /// this device before goes on with its own pipelines, what is made from now on has the new ones.
+  std::uint64_t shaderGeneration() const noexcept;
+
  private:
+  friend ShaderReplacements& shaderReplacements(Device& device) noexcept;
+  friend const ShaderReplacements& shaderReplacements(const Device& device) noexcept;
   struct State;
   explicit Device(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;

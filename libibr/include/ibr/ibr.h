@@ -20,5 +20,6 @@
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "ibr/scene.h"
+#include "ibr/shader_reload.h"
 #include "ibr/target.h"
 #include "ibr/texture.h"

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <optional>
 
-#include "author/child_process.h"
 #include "author/photographs.h"
 #include "base/check.h"
+#include "base/child_process.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parse.h"

@@ -10,6 +10,7 @@
 #include "gpu/device_choice.h"
 #include "gpu/instance.h"
 #include "gpu/pipeline_cache.h"
+#include "gpu/shader_replacements.h"
 #include "gpu/vulkan.h"
 
 namespace ibr {
@@ -47,6 +48,7 @@ struct Device::State {
   VkPhysicalDeviceMemoryProperties memory{};
   DeviceFeatures features;  // enabled, as far as is known of an adopted device
   std::string name;
+  ShaderReplacements shaders;
 };
 
 Device Device::create(const DeviceOptions& options) {
@@ -172,6 +174,16 @@ std::string Device::name() const {
 }
 std::uint64_t Device::validationMessages() const noexcept {
   return state_->messages.validationMessages();
+}
+std::uint64_t Device::shaderGeneration() const noexcept {
+  return state_->shaders.generation;
+}
+
+ShaderReplacements& shaderReplacements(Device& device) noexcept {
+  return device.state_->shaders;
+}
+const ShaderReplacements& shaderReplacements(const Device& device) noexcept {
+  return device.state_->shaders;
 }
 
 }  // namespace ibr

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "gpu/debug.h"
+#include "gpu/shader_replacements.h"
 
 namespace ibr {
 namespace {
@@ -28,6 +29,7 @@ VkPipelineShaderStageCreateInfo stageInfo(VkShaderStageFlagBits stage, const Sha
 }  // namespace
 
 ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv) {
+  spirv = shaderReplacements(device).inUse(spirv);
   const VkShaderModuleCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = spirv.size_bytes(), .pCode = spirv.data()};
   return make<ShaderModuleHandle>(device, vkCreateShaderModule, info, "vkCreateShaderModule");

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "author/child_process.h"
+#include "base/child_process.h"
 #include "base/file.h"
 #include "ibr/author.h"
 #include "ibr/error.h"
