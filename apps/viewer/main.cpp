@@ -27,7 +27,7 @@ struct Options {
   SessionOptions session;
   std::vector<std::string> places;
   PictureSize size{1280, 720};
-  std::string screenshot, screenshots = ".";
+  std::string screenshot, screenshots = ".", shaders;
   RenderSettings settings;
   bool bare = false;
   bool forget = false;
@@ -45,6 +45,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
   app.add_flag("--forget", o.forget,
                "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
+  app.add_option("--shaders", o.shaders, "A source tree's folder shaders: what is edited there shows at once")
+      ->type_name("DIR");
   app.add_flag("--validation", o.session.validation, "Vulkan's validation layers say what is wrong");
   app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests
   inGroup(app, "Scenes", [&] {
@@ -122,6 +124,7 @@ ExitCode run(int argc, char** argv) {
   const Context context(o.common);
   o.session.device = o.common.device;
   o.session.screenshot = o.screenshot;
+  o.session.shaders = o.shaders;
   o.session.screenshots = o.screenshots;
 
   Window window("ibr", o.size.width, o.size.height);

@@ -36,6 +36,13 @@ class ModelOnDevice final : public PlaceOnDevice {
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }
 
+  void remakePipelines() override {
+    if (!renderer_) return;
+    vkDeviceWaitIdle(device_.handle());
+    HtmRenderer fresh(device_, *gpuModel_, {.largest = largest_, .formats = {format_}});
+    *renderer_ = std::move(fresh);
+  }
+
   std::vector<std::pair<std::string, std::uint64_t>> memory() const override {
     const GpuHtmModel::Memory m = gpuModel_->memory();
     return {{"photographs", m.photographs}, {"mesh", m.mesh}, {"complements", m.complements}, {"depths", m.depths}};
@@ -72,6 +79,7 @@ class ModelOnDevice final : public PlaceOnDevice {
     if (renderer_ && largest_.width >= e.width && largest_.height >= e.height) return;
     vkDeviceWaitIdle(device_.handle());
     largest_ = {std::max(largest_.width, e.width), std::max(largest_.height, e.height)};
+    format_ = target.format;
     renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.largest = largest_, .formats = {target.format}});
   }
 
@@ -82,6 +90,7 @@ class ModelOnDevice final : public PlaceOnDevice {
   std::optional<GpuHtmModel> gpuModel_;
   std::optional<HtmRenderer> renderer_;
   VkExtent2D largest_{0, 0};
+  VkFormat format_ = VK_FORMAT_UNDEFINED;
   HtmState state_;
   Camera lastView_;
   double quiet_ = 0;

@@ -35,6 +35,10 @@ class PlaceOnDevice {
   /// frames that it takes. Throws Error.
   virtual Image8 picture(VkExtent2D extent, std::uint64_t& frame) = 0;
 
+  /// Makes the pipelines anew, after shaders have changed; what is drawn changes with them. Waits for the device.
+  /// Throws Error, and then goes on with those that it had.
+  virtual void remakePipelines() = 0;
+
   /// What the last frame was made of; nullptr for harmonised models.
   virtual const FramePlan* plan() const { return nullptr; }
   /// Memory by class, bytes.

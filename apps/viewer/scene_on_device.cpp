@@ -52,6 +52,13 @@ class SceneOnDevice final : public PlaceOnDevice {
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }
 
+  void remakePipelines() override {
+    if (!renderer_) return;
+    vkDeviceWaitIdle(device_.handle());
+    Renderer fresh(device_, gpuScene_, options_);
+    *renderer_ = std::move(fresh);
+  }
+
   const FramePlan* plan() const override { return &plan_; }
 
   std::vector<std::pair<std::string, std::uint64_t>> memory() const override {

@@ -51,6 +51,7 @@ Session::Session(Window& window, Viewer& viewer, const SessionOptions& options)
       swapchain_(device_, window),
       drawer_(device_, swapchain_),
       last_(std::chrono::steady_clock::now()) {
+  if (!options.shaders.empty()) shaders_.emplace(device_, ShaderReloadOptions{.folder = options.shaders});
   for (auto& timer : timers_) timer = std::make_unique<ScopeTimer>(device_, kScopes);
 }
 
@@ -62,7 +63,7 @@ double Session::pause() const {
   if (redraws_ > 0 || pictureWanted_) return 0;
   const auto now = std::chrono::steady_clock::now();
   // A message goes away, a place may have been read.
-  return viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.building.empty() ? 0.1 : 3600;
+  return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.building.empty() ? 0.1 : 3600;
 }
 
 void Session::run() {
@@ -76,6 +77,7 @@ void Session::run() {
     }
     if (!viewer_.opening.empty() || !viewer_.building.empty() || !viewer_.message.empty())
       redraws_ = std::max(redraws_, 1);
+    if (shaders_) reloadShaders();
     if (redraws_ == 0 && !pictureWanted_) continue;
     if (!draw()) {
       window_.handleEvents(0.1);
@@ -99,6 +101,32 @@ PlaceOnDevice* Session::drawnPlace() {
     drawn = putOnDevice(device_, *place, options);
   }
   return drawn.get();
+}
+
+void Session::reloadShaders() {
+  const ShaderReloader::Result result = shaders_->poll();
+  if (result.replaced.empty() && result.failed.empty() && viewer_.shaderFaults.size() == shaders_->failing().size())
+    return;
+  redraws_ = 3;
+  viewer_.shaderFaults.clear();
+  for (const ShaderReloader::Failure& fault : shaders_->failing())
+    viewer_.shaderFaults.emplace_back(fault.file, fault.text);
+  for (const ShaderReloader::Failure& fault : result.failed)
+    viewer_.say(LogLevel::warning, fmt::format("{}: {}", fault.file, fault.text));
+  if (result.replaced.empty()) return;
+  const auto remake = [&] {
+    for (auto& [place, drawn] : drawn_) drawn->remakePipelines();
+  };
+  try {
+    remake();
+    viewer_.show(fmt::format("{} loaded", fmt::join(result.replaced, ", ")));
+  } catch (const Error& e) {
+    if (e.code() == ErrorCode::deviceLost) throw;
+    shaders_->takeBack();
+    remake();
+    viewer_.say(LogLevel::warning, fmt::format("{}: {}", fmt::join(result.replaced, ", "), e.what()));
+  }
+  pictureWanted_ = true;
 }
 
 void Session::forgetClosed() {

@@ -5,9 +5,11 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "ibr/offscreen.h"
+#include "ibr/shader_reload.h"
 #include "viewer/interface.h"
 #include "viewer/panels.h"
 #include "viewer/place_on_device.h"
@@ -24,6 +26,7 @@ struct SessionOptions {
   std::size_t loseAtFrame = 0;        // of all frames: the device is as if lost then; 0: never. For tests
   int frames = 0;                     // to show before it ends; 0: until the window is closed
   std::filesystem::path screenshot;   // written at the end; empty: none
+  std::filesystem::path shaders;      // of a source tree: edits show while the viewer runs; empty: none
   std::filesystem::path screenshots;  // folder for those that are asked for
 };
 
@@ -50,6 +53,7 @@ class Session {
   void saveRoute();
   void takeScreenshot(const std::filesystem::path& file);
   void forgetClosed();
+  void reloadShaders();
   PlaceOnDevice* drawnPlace();
 
   Window& window_;
@@ -59,6 +63,7 @@ class Session {
   Swapchain swapchain_;
   InterfaceDrawer drawer_;
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
+  std::optional<ShaderReloader> shaders_;
   std::map<const Place*, std::unique_ptr<PlaceOnDevice>> drawn_;
   std::unique_ptr<Offscreen> picture_;  // the place without the interface, of the window's size
   std::uint64_t frame_ = 0;             // shown or being recorded

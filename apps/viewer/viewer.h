@@ -46,6 +46,8 @@ struct Viewer {
   std::string message;  // for a moment, over the picture
   std::chrono::steady_clock::time_point messageUntil{};
 
+  std::vector<std::pair<std::string, std::string>> shaderFaults;  // file and the compiler's text
+
   // Of the last frames.
   std::vector<ScopeTime> deviceTimes;
   std::array<float, 120> frameMilliseconds{};  // ring

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `ibr-viewer`, driven by keys and the mouse as a person would.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <glm/geometric.hpp>
@@ -216,6 +217,48 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
   REQUIRE(single.code == 0);
   const std::string shot = json::parse(single.out)["views"][0]["file"];
   CHECK(readFile(shot) == readFile(folder / "view_0001.png"));
+}
+
+TEST_CASE("a shader that is edited shows at once, a broken one shows what the compiler says") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  fs::copy(IBR_SHADERS, folder / "shaders", fs::copy_options::recursive);
+  const fs::path file = folder / "shaders/render/composite.frag";
+  const std::string original = readTextFile(file);
+  const std::size_t end = original.rfind('}');
+  REQUIRE(end != std::string::npos);
+  const auto report = whileViewing(
+      {test::tinyScene(), "--size", "320x240", "--no-interface", "--screenshots", folder.path(), "--shaders",
+       folder / "shaders"},
+      [&](const std::string&) {
+        const auto shoot = [] {
+          xdotool({"key", "p"});
+          sleepFor(1.2);
+        };
+        sleepFor(5);  // all of them are compiled once
+        shoot();
+        writeFile(file, original.substr(0, end) + "  outColour.rgb = outColour.brg;\n" + original.substr(end));
+        sleepFor(3);
+        shoot();
+        writeFile(file, original.substr(0, end) + "  nonsense;\n" + original.substr(end));
+        sleepFor(3);
+        shoot();
+        writeFile(file, original);
+        sleepFor(3);
+        shoot();
+      });
+  std::array<std::vector<std::uint8_t>, 4> seen;
+  for (int i = 0; i < 4; ++i) {
+    const fs::path shot = folder / ("view_000" + std::to_string(i + 1) + ".png");
+    REQUIRE(fs::exists(shot));
+    seen[std::size_t(i)] = readImage(shot).values;
+  }
+  CHECK(seen[1] != seen[0]);
+  CHECK(seen[2] == seen[1]);  // the last that could be used
+  CHECK(seen[3] == seen[0]);
+  std::string warnings;
+  for (const auto& line : report["warnings"]) warnings += line.get<std::string>();
+  CHECK_THAT(warnings, Contains("composite.frag") && Contains("nonsense"));
 }
 
 TEST_CASE("a bounded view stays near the photographs") {
