@@ -3,8 +3,7 @@
 // viewer needs nothing that only building does, and lives on whatever becomes of it.
 #pragma once
 
-#include <sys/types.h>
-
+#include <atomic>
 #include <filesystem>
 #include <mutex>
 #include <string>
@@ -23,7 +22,7 @@ class BuildJob {
  public:
   /// Begins `ibr build PHOTOGRAPHS -o SCENE`, with the poses that the folder holds (sparse/, sparse/0/ or
   /// transforms.json), else those that COLMAP estimates; SCENE is PHOTOGRAPHS with "-scene" behind its name, and a
-  /// build that was stopped there goes on. Throws Error{io} where the program cannot be started.
+  /// build that was stopped there goes on. Where the program cannot be started it has failed.
   explicit BuildJob(const std::filesystem::path& photographs);
   BuildJob(const BuildJob&) = delete;
   BuildJob& operator=(const BuildJob&) = delete;
@@ -34,18 +33,17 @@ class BuildJob {
 
   enum class State { running, done, cancelled, failed };
   State state() const;
-  std::string progress() const;  // the last line that it said
-  std::string output() const;    // all of them
-  void cancel() noexcept;        // at the next whole file
+  std::string progress() const;                  // the last line that it said
+  void cancel() noexcept { cancelled_ = true; }  // whole files stay: the same folder goes on there
 
  private:
-  void follow(int output);
+  void run(const std::vector<std::string>& words);
 
   std::filesystem::path photographs_, scene_;
-  pid_t child_ = -1;
+  std::atomic<bool> cancelled_ = false;
   mutable std::mutex mutex_;  // of what follows
   State state_ = State::running;
-  std::string output_;
+  std::string progress_;
   std::thread thread_;  // last: it uses all of this
 };
 

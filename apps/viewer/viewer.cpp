@@ -21,12 +21,8 @@ void Viewer::open(const fs::path& path) {
       return;
     }
   if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
-    try {
-      building.push_back(std::make_unique<BuildJob>(path));
-      say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
-    } catch (const Error& e) {
-      say(LogLevel::error, e.what());
-    }
+    building.push_back(std::make_unique<BuildJob>(path));
+    say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
     return;
   }
   opening.push_back({path, std::async(std::launch::async, [path] {
