@@ -50,8 +50,10 @@ void showSidePanel(PanelInput& input) {
   ImGui::SetNextWindowPos({size.x - width - 10, 10}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, ImGuiCond_FirstUseEver);
   if (ImGui::Begin("ibr", nullptr, ImGuiWindowFlags_NoCollapse)) {
+    const Place* place = input.viewer.place();
     showPlaces(input);
-    if (ImGui::BeginTabBar("tabs")) {
+    // What is known of the frame before is of that place.
+    if (input.viewer.place() == place && ImGui::BeginTabBar("tabs")) {
       for (const Tab& tab : kTabs)
         if (ImGui::BeginTabItem(tab.name)) {
           tab.show(input);
@@ -77,7 +79,7 @@ void showAll(PanelInput& input) {
   if (viewer.showInterface) {
     if (viewer.place()) {
       showSidePanel(input);
-      if (viewer.place()->video) showTimeLine(input);
+      if (viewer.place() && viewer.place()->video) showTimeLine(input);
     } else {
       showWelcome(input);
     }

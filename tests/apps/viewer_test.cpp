@@ -275,6 +275,25 @@ TEST_CASE("a bounded view stays near the photographs") {
   CHECK(away(true) < 0.6 * away(false));
 }
 
+TEST_CASE("places are closed, by key and by their tab's cross, until none is left") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  for (const char* name : {"a", "b"}) fs::copy(test::tinyScene(), folder / name, fs::copy_options::recursive);
+  const json report =
+      whileViewing({folder / "a", folder / "b", test::tinyScene(), "--size", "500x400"}, [](const std::string& w) {
+        sleepFor(1);
+        xdotool({"key", "ctrl+w"});
+        sleepFor(0.5);
+        // Wherever the crosses are: a click closes a tab, chooses one, or does nothing.
+        for (int x = 250; x < 400; x += 3) xdotool({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
+        sleepFor(0.5);
+        xdotool({"key", "ctrl+w"});
+        xdotool({"key", "ctrl+w"});
+        sleepFor(0.3);
+      });
+  CHECK(report["places"].empty());
+}
+
 TEST_CASE("what cannot be opened is said, and the window stays") {
   if (!canView()) return;
   test::TemporaryFolder folder;
