@@ -18,7 +18,7 @@ constexpr std::array kKeys{
     KeyHelp{"W A S D", "move"},
     KeyHelp{"Q E", "down, up"},
     KeyHelp{"right mouse button", "look around"},
-    KeyHelp{"middle mouse button", "go round what lies under it"},
+    KeyHelp{"middle mouse button", "go round a harmonised model"},
     KeyHelp{"shift, alt", "faster, slower"},
     KeyHelp{"mouse wheel", "speed; with ctrl the field of view"},
     KeyHelp{"[ ]", "previous, next photograph"},
@@ -43,7 +43,7 @@ double down(int key) {
 
 NavigationInput handsOf(Place& place, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
-  NavigationInput hands{.seconds = seconds, .fast = io.KeyShift};
+  NavigationInput hands{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
   const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
   // Where a button goes down, the way that the mouse came there is not meant.
   const auto holds = [&](ImGuiMouseButton button) {
@@ -58,8 +58,12 @@ NavigationInput handsOf(Place& place, double seconds) {
   if (!io.WantTextInput && !io.KeyCtrl)
     hands.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
                   down(GLFW_KEY_S) - down(GLFW_KEY_W)};
-  hands.slow = !io.KeyCtrl && ImGui::GetIO().KeyAlt;
   return hands;
+}
+
+// Any of them ends a path that is shown.
+bool handsMove(const NavigationInput& hands) {
+  return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
 }
 
 void goTo(Place& place, std::optional<std::size_t> viewpoint) {
@@ -123,11 +127,6 @@ std::span<const KeyHelp> keyHelp() {
 
 void press(Viewer& viewer, std::span<const KeyPress> keys) {
   for (const KeyPress& key : keys) pressOne(viewer, key);
-}
-
-// Any of them ends what is shown.
-bool handsMove(const NavigationInput& hands) {
-  return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
 }
 
 bool control(Place& place, double seconds) {

@@ -6,7 +6,6 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "shared/graph_view.h"
 #include "viewer/panels.h"
 
 namespace ibr::app {
@@ -26,18 +25,11 @@ struct Map {
   }
 };
 
-// A scene of the places of photographs alone, for graphView.
-GraphView viewOf(const Place& place) {
-  Scene scene;
-  for (const Viewpoint& v : place.viewpoints) scene.nodes.push_back({v.name, v.camera, {}, {}});
-  return graphView(scene);
-}
-
 }  // namespace
 
 void showMap(PanelInput& input) {
   Place& place = *input.viewer.place();
-  Map map{viewOf(place), {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
+  Map map{place.map, {}, {}, ImGui::GetCursorScreenPos(), ImGui::GetContentRegionAvail()};
   map.size = {std::max(map.size.x, 50.0f), std::max(map.size.y, 50.0f)};
   map.low = map.high = map.view.flat(place.viewpoints.front().camera.pose.position);
   const auto include = [&](const glm::dvec3& world) {

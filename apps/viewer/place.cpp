@@ -22,6 +22,17 @@ void addModel(Place& place, HtmModel model) {
   place.model = std::move(model);
 }
 
+GraphView mapOf(const std::vector<Viewpoint>& viewpoints) {
+  Scene places;
+  for (const Viewpoint& v : viewpoints) places.nodes.push_back({v.name, v.camera, {}, {}});
+  return graphView(places);
+}
+
+// On the thread that loads.
+HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
+  return preparedHtmPicture(model, camera, readHtmPicture(model, camera));
+}
+
 // The photograph nearest to the middle of all.
 std::size_t middleOf(const std::vector<Pose>& poses) {
   glm::dvec3 middle(0);
@@ -48,7 +59,7 @@ Place openPlace(const fs::path& path) {
       addModel(place, loadHtmModel(path));
       break;
     case AssetKind::htmSequence:
-      place.video = std::make_unique<HtmSequence>(path, readHtmPicture);
+      place.video = std::make_unique<HtmSequence>(path, readPrepared);
       addModel(place, place.video->frame(0)->model);
       place.playing = true;
       break;
@@ -59,6 +70,7 @@ Place openPlace(const fs::path& path) {
   for (const Pose& pose : poses) place.bounds.places.push_back(pose.position);
   place.bounds.neighbours = place.scene ? cellNeighbours(*place.scene) : nearNeighbours(poses, 3);
   place.bounds.radius = place.step;
+  place.map = mapOf(place.viewpoints);
   place.walk.up = upOf(poses).value_or(glm::dvec3(0, 1, 0));
   place.walk.speed = firstSpeed(poses);
   if (place.model) place.walk.centre = htmBounds(*place.model).middle;

@@ -13,6 +13,7 @@
 #include "ibr/htm_sequence.h"
 #include "ibr/renderer.h"
 #include "shared/camera_path.h"
+#include "shared/graph_view.h"
 #include "shared/navigation.h"
 
 namespace ibr::app {
@@ -34,6 +35,7 @@ struct Place {
   std::vector<Viewpoint> viewpoints;
   double step = 1;       // median distance from a photograph to its nearest one, world units
   RoamingBounds bounds;  // where views may be trusted
+  GraphView map;         // from where the places of the photographs are best looked at
 
   // As it was left.
   Navigation walk;

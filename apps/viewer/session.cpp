@@ -218,7 +218,13 @@ bool Session::draw() {
   if (std::exchange(viewer_.wantsRoute, false)) saveRoute();
   if (viewer_.wantsScreenshot) {
     viewer_.wantsScreenshot = false;
-    takeScreenshot(freeFile(options_.screenshots, "view", ".png"));
+    // A folder that cannot be written is no reason to end.
+    try {
+      takeScreenshot(freeFile(options_.screenshots, "view", ".png"));
+    } catch (const Error& e) {
+      if (e.code() == ErrorCode::deviceLost) throw;
+      viewer_.say(LogLevel::error, e.what());
+    }
   }
   return true;
 }
@@ -253,7 +259,7 @@ void Session::saveRoute() {
 
 void Session::takeScreenshot(const std::filesystem::path& file) {
   Place* place = viewer_.place();
-  check(place, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
+  check(place && picture_, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
   vkDeviceWaitIdle(device_.handle());
   const VkExtent2D extent = picture_->target().extent;
   const Image8 image = drawnPlace()->picture(extent, frame_);

@@ -261,6 +261,22 @@ TEST_CASE("a shader that is edited shows at once, a broken one shows what the co
   CHECK_THAT(warnings, Contains("composite.frag") && Contains("nonsense"));
 }
 
+TEST_CASE("a picture that cannot be written is said, and the window stays") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  writeFile(folder / "file", "in the way");
+  const auto report = whileViewing({test::tinyScene(), "--size", "320x240", "--screenshots", folder / "file/below"},
+                                   [](const std::string&) {
+                                     xdotool({"key", "p"});
+                                     sleepFor(0.7);
+                                     xdotool({"key", "k"});
+                                     xdotool({"key", "ctrl+s"});
+                                     sleepFor(0.5);
+                                   });
+  CHECK(report["places"].size() == 1);
+  CHECK(report["warnings"].size() == 2);
+}
+
 TEST_CASE("a bounded view stays near the photographs") {
   if (!canView()) return;
   const auto away = [](bool bounded) {

@@ -32,15 +32,6 @@ VkAttachmentDescription attachment(VkFormat format) {
           .finalLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
 }
 
-ImageViewHandle makeLayerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
-  const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                   .image = image.get(),
-                                   .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                   .format = image.info().format,
-                                   .subresourceRange = {image.info().aspect, 0, 1, layer, 1}};
-  return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
-}
-
 RenderPassHandle makeRenderPass(const Device& device, std::uint32_t layers) {
   const VkAttachmentDescription attachments[]{attachment(Canvas::kColourFormat), attachment(Canvas::kDepthFormat)};
   const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};

@@ -90,4 +90,13 @@ VkDeviceSize allocationBytes(const Device& device, const GpuImageInfo& info, std
   return requirementsOf(device, image.get()).size;
 }
 
+ImageViewHandle makeLayerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
+  const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                   .image = image.get(),
+                                   .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                   .format = image.info().format,
+                                   .subresourceRange = {image.info().aspect, 0, image.info().mipLevels, layer, 1}};
+  return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
+}
+
 }  // namespace ibr

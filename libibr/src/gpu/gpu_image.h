@@ -47,4 +47,7 @@ class GpuImage {
 /// of memory.
 VkDeviceSize allocationBytes(const Device& device, const GpuImageInfo& info, std::string_view name);
 
+/// One layer of it, all levels.
+ImageViewHandle makeLayerView(const Device& device, const GpuImage& image, std::uint32_t layer);
+
 }  // namespace ibr

@@ -21,15 +21,6 @@ constexpr VkFormat kNearestFormat = VK_FORMAT_D32_SFLOAT;
 constexpr ImageUse kRead{use::kSampled.layout, use::kSampled.stages | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                          use::kSampled.access};
 
-ImageViewHandle layerView(const Device& device, const GpuImage& image, std::uint32_t layer) {
-  const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                   .image = image.get(),
-                                   .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                   .format = image.info().format,
-                                   .subresourceRange = {image.info().aspect, 0, 1, layer, 1}};
-  return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
-}
-
 }  // namespace
 
 HtmDepthMaps::HtmDepthMaps(const Device& device) {
@@ -63,7 +54,7 @@ void HtmDepthMaps::draw(const Device& device, const GpuHtmModel::State& model) {
                           .aspect = VK_IMAGE_ASPECT_DEPTH_BIT},
                          "nearest surface of a harmonised model");
   std::vector<ImageViewHandle> views;
-  for (std::uint32_t i = 0; i < model.cameras.size(); ++i) views.push_back(layerView(device, model.depths, i));
+  for (std::uint32_t i = 0; i < model.cameras.size(); ++i) views.push_back(makeLayerView(device, model.depths, i));
 
   submitAndWait(device, [&](VkCommandBuffer commands) {
     transition(commands, model.depths.get(), use::kUndefined, use::kColourAttachment);

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "base/hash.h"
 #include "scene/json_check.h"
 #include "scene/scene_file.h"
 
@@ -17,11 +18,11 @@ namespace {
 
 using Json = GltfWriter::Json;
 
-// FNV-1a: names files by their contents, nothing more.
+// Names files by their contents, nothing more.
 std::uint64_t hashOf(std::span<const std::byte> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::byte b : bytes) hash = (hash ^ std::uint64_t(b)) * 0x100000001b3;
-  return hash;
+  Hash hash;
+  hash.add(bytes);
+  return hash.value();
 }
 
 // Whether addBuffer may have named a file so.
