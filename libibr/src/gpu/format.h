@@ -8,6 +8,15 @@
 
 namespace ibr {
 
+/// Whether the format encodes what is written.
+constexpr bool isSrgb(VkFormat format) noexcept {
+  return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
+}
+/// Whether a caller's picture may have it: 8-bit RGBA or BGRA.
+constexpr bool isPictureFormat(VkFormat format) noexcept {
+  return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
+}
+
 /// Bytes of a texel, or of a block of blockSide² of them; 0 for formats that are not ours.
 constexpr std::uint32_t blockBytes(VkFormat format) noexcept {
   switch (format) {

@@ -26,6 +26,17 @@ VkPipelineShaderStageCreateInfo stageInfo(VkShaderStageFlagBits stage, const Sha
           .pSpecializationInfo = &specialisation};
 }
 
+VkPipelineColorBlendAttachmentState blendState(Blending blending) {
+  VkPipelineColorBlendAttachmentState state{.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                                              VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT};
+  if (blending == Blending::replace) return state;
+  state.blendEnable = VK_TRUE;
+  state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
+  state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  state.colorWriteMask &= ~VkColorComponentFlags(VK_COLOR_COMPONENT_A_BIT);
+  return state;
+}
+
 }  // namespace
 
 ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv) {
@@ -74,13 +85,11 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
       .depthCompareOp = depthOnly && !info.depthTest ? VK_COMPARE_OP_ALWAYS
                         : info.depthEqual            ? VK_COMPARE_OP_LESS_OR_EQUAL
                                                      : VK_COMPARE_OP_LESS};
-  std::array<VkPipelineColorBlendAttachmentState, kMostColours> replace{};
-  for (VkPipelineColorBlendAttachmentState& state : replace)
-    state.colorWriteMask =
-        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  std::array<VkPipelineColorBlendAttachmentState, kMostColours> blends{};
+  blends.fill(blendState(info.blending));
   const VkPipelineColorBlendStateCreateInfo blending{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
                                                      .attachmentCount = colours,
-                                                     .pAttachments = replace.data()};
+                                                     .pAttachments = blends.data()};
   constexpr VkDynamicState kDynamic[]{VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
                                                  .dynamicStateCount = 2,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipelines and their layouts, with the states that our passes share fixed: no culling, no blending, one sample,
-// viewport and scissor dynamic.
+// Pipelines and their layouts, with the states that our passes share fixed: no culling, one sample, viewport and scissor
+// dynamic.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -20,6 +20,12 @@ struct Specialisation {
   std::span<const std::byte> data;
 };
 
+/// What becomes of colours that are there. Other than by `replace`, their alpha stays.
+enum class Blending : std::uint8_t {
+  replace,
+  over,  // mixed by the new colour's alpha
+};
+
 struct GraphicsPipelineInfo {
   const char* name = "";
   std::span<const std::uint32_t> vertex, fragment;  // SPIR-V, entry point main; no fragment: depth only
@@ -35,6 +41,7 @@ struct GraphicsPipelineInfo {
   bool depthEqual = false;                     // or where equal too
   bool depthWrite = false;
   bool depthClamp = false;
+  Blending blending = Blending::replace;
 };
 
 struct ComputePipelineInfo {

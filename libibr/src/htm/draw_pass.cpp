@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "gpu/barrier.h"
+#include "gpu/format.h"
 #include "gpu/pipeline.h"
 #include "gpu/rendering.h"
 #include "htm/coordinates_pass.h"
@@ -23,14 +24,6 @@ namespace {
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 // Frames share the image: the next one waits for the last one's tests, its contents are lost.
 constexpr ImageUse kDepthBefore{VK_IMAGE_LAYOUT_UNDEFINED, use::kDepthAttachment.stages, use::kDepthAttachment.access};
-
-bool isSrgb(VkFormat format) {
-  return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
-}
-
-bool isSupported(VkFormat format) {
-  return isSrgb(format) || format == VK_FORMAT_R8G8B8A8_UNORM || format == VK_FORMAT_B8G8R8A8_UNORM;
-}
 
 PipelineHandle makeShading(const Device& device, VkPipelineLayout layout, VkFormat format, bool displaced,
                            bool colours) {
@@ -65,7 +58,7 @@ HtmDrawPass::HtmDrawPass(const Device& device, const HtmFrameSet& set, const Htm
                                                    .depthFormat = kDepthFormat,
                                                    .depthTest = true})) {
   for (const VkFormat format : options.formats) {
-    check(isSupported(format), ErrorCode::unsupported, "harmonised renderer: VkFormat {} is not 8-bit RGBA or BGRA",
+    check(isPictureFormat(format), ErrorCode::unsupported, "harmonised renderer: VkFormat {} is not 8-bit RGBA or BGRA",
           int(format));
     Format& made = formats_.emplace_back();
     made.format = format;

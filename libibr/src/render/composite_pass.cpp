@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/composite_pass.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 
 #include "base/check.h"
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
+#include "gpu/format.h"
 #include "gpu/pipeline.h"
 #include "gpu/rendering.h"
 #include "render/floor.h"
@@ -16,20 +16,6 @@
 
 namespace ibr {
 namespace {
-
-struct Format {
-  VkFormat format;
-  bool srgb;
-};
-constexpr std::array<Format, 4> kFormats{{{VK_FORMAT_R8G8B8A8_UNORM, false},
-                                          {VK_FORMAT_R8G8B8A8_SRGB, true},
-                                          {VK_FORMAT_B8G8R8A8_UNORM, false},
-                                          {VK_FORMAT_B8G8R8A8_SRGB, true}}};
-
-std::size_t indexOf(VkFormat format) {
-  return std::size_t(std::find_if(kFormats.begin(), kFormats.end(), [&](Format f) { return f.format == format; }) -
-                     kFormats.begin());
-}
 
 struct Constants {
   glm::vec3 background;
@@ -51,7 +37,7 @@ glm::vec2 vectorOf(VkExtent2D extent) {
 }  // namespace
 
 bool CompositePass::supports(VkFormat format) noexcept {
-  return indexOf(format) < kFormats.size();
+  return isPictureFormat(format);
 }
 
 CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former,
@@ -89,7 +75,7 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
                                                                 {2, offsetof(Variant, fill), 4},
                                                                 {3, offsetof(Variant, scaled), 4},
                                                                 {4, offsetof(Variant, floor), 4}}};
-    const Variant variant{kFormats[indexOf(key.format)].srgb, key.former, key.filled, key.scaled, key.floor};
+    const Variant variant{isSrgb(key.format), key.former, key.filled, key.scaled, key.floor};
     GraphicsPipelineInfo info;
     info.vertex = shaders::composite_vert;
     info.fragment = shaders::composite_frag;
