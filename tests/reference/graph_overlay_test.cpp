@@ -194,6 +194,33 @@ TEST_CASE("lines that pass through the eye or lie behind it harm nothing") {
   CHECK(untouched(drawn(all, at, {0})) > 320 * 240 / 2);
 }
 
+TEST_CASE("of a line from behind the eye what lies before it is seen, and nothing else") {
+  ImageGraph all;
+  all.photographs = {cameraAt({-0.5, -0.4, 3}), cameraAt({0.3, 0.2, -5})};
+  all.cells = {{0, 1}};
+  const Camera view = cameraAt({0, 0, 0});
+  const Image8 picture = drawn(all, view, {0});
+  const shader::vec3 yellow = shader::rankColour(0, 1);
+  const glm::dvec3 from = all.photographs[0].pose.position, to = all.photographs[1].pose.position;
+  std::size_t seen = 0, wrong = 0;
+  for (double t = 0; t < 0.9; t += 0.001) {
+    const glm::dvec3 point = glm::mix(from, to, t);
+    const auto pixel = project(view.intrinsics, point);
+    if (-point.z < 2 * kDepth || !pixel || glm::any(glm::lessThan(*pixel, glm::dvec2(1))) || pixel->x > 319 ||
+        pixel->y > 239)
+      continue;
+    ++seen;
+    wrong += std::abs(picture.pixel(int(pixel->x), int(pixel->y))[0] - 255 * yellow.x) > 120;  // its edge, at worst
+  }
+  CHECK(seen > 100);
+  CHECK(wrong == 0);
+  // All that is before the eye is seen below left of where it ends.
+  const glm::dvec2 end = *project(view.intrinsics, to);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      if (std::min(x - end.x, end.y - y) > 25) CHECK(picture.pixel(x, y)[0] == 0);
+}
+
 TEST_CASE("graphs that cannot be drawn are refused by name") {
   ImageGraph all = graph();
   const auto made = [&](GraphOverlayOptions options = {}) { GraphOverlay(testDevice(), all, options); };
