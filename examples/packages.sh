@@ -11,9 +11,9 @@ IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-
 IBR_PACKAGES_DEMO="ffmpeg colmap"
 # To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package
 # gltf-validator, not in Debian), python3-jsonschema checks scenes against our schema. The viewer is driven by xdotool in
-# a display of Xvfb that openbox manages.
+# a display of Xvfb that openbox manages, its window is looked at through libx11.
 IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs xvfb xdotool
-  openbox"
+  openbox libx11-dev"
 
 # install_packages PACKAGE…: installs those that are missing. Needs no network where none is.
 install_packages() {

@@ -38,6 +38,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
                        "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
   addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
             "Draw no cell that is further away than X times its size");
+  addDouble(app, "--switch", settings.switchSeconds, 0, 60,
+            "Along a path, seconds over which a change of the main cell is mixed; 0: cuts");
   addDouble(app, "--texture-scale", settings.textureScale, 0.01, 100,
             "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
   addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
@@ -54,6 +56,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
             "Share of the pixels of an overlap that colour tables are made from");
   addInt(app, "--colour-proxy", settings.colourProxy, 1, 64,
          "Colour tables of ours are made from a picture of all cells whose sides are N times shorter");
+  addInt(app, "--colour-period", settings.colourPeriod, 1, 1000,
+         "Along a path, colour tables of ours are made anew every N frames");
 }
 
 void declareSettings(CLI::App& app, RenderSettings& settings) {
@@ -117,6 +121,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
           {"blend", wordOf(settings.blend)},
           {"extrapolation", settings.extrapolationLimit},
+          {"switch", settings.switchSeconds},
           {"textureScale", settings.textureScale},
           {"renderScale", settings.renderScale},
           {"eyeColours", settings.shareEyeColours ? "shared" : "own"},
@@ -126,6 +131,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
                                                                         : "preserving"},
           {"colourSamples", settings.colourSamples},
           {"colourProxy", settings.colourProxy},
+          {"colourPeriod", settings.colourPeriod},
           {"vramBudget", budget},
           {"blocks", gpuScene.blocks == BlockTextures::keep     ? "keep"
                      : gpuScene.blocks == BlockTextures::decode ? "decode"

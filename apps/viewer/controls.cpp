@@ -29,6 +29,7 @@ constexpr std::array kKeys{
     KeyHelp{"B", "stay near the photographs, or go anywhere"},
     KeyHelp{"K, J", "key of a camera path here; show the path"},
     KeyHelp{"ctrl S", "save the path, as ibr render --poses takes it"},
+    KeyHelp{"ctrl M", "make a video of the path"},
     KeyHelp{"P", "screenshot"},
     KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},
     KeyHelp{"F1", "this help"},
@@ -109,6 +110,7 @@ void pressOne(Viewer& viewer, const KeyPress& press) {
     if (press.key == GLFW_KEY_Q) viewer.wantsClose = true;
     if (press.key == GLFW_KEY_W) viewer.closeCurrent();
     if (press.key == GLFW_KEY_S) viewer.wantsRoute = true;
+    if (press.key == GLFW_KEY_M) viewer.wantsVideo = true;
     if (press.key == GLFW_KEY_C) viewer.wantsCopy = true;
     if (press.key == GLFW_KEY_V) viewer.wantsPaste = true;
     if (press.key == GLFW_KEY_PAGE_DOWN && n > 0) viewer.current = (viewer.current + 1) % n;

@@ -5,8 +5,8 @@
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
 
+#include <array>
 #include <cmath>
-#include <cstdlib>
 
 #include "base/check.h"
 #include "gpu/submit.h"
@@ -14,28 +14,6 @@
 namespace fs = std::filesystem;
 
 namespace ibr::app {
-
-namespace {
-
-fs::path userFolder(const char* variable, const char* below) {
-  fs::path folder;
-  if (const char* given = std::getenv(variable); given && *given)
-    folder = fs::path(given) / "libibr";
-  else if (const char* home = std::getenv("HOME"); home && *home)
-    folder = fs::path(home) / below / "libibr";
-  std::error_code error;
-  fs::create_directories(folder, error);
-  return error ? fs::path() : folder;
-}
-
-}  // namespace
-
-fs::path settingsFolder() {
-  return userFolder("XDG_CONFIG_HOME", ".config");
-}
-fs::path cacheFolder() {
-  return userFolder("XDG_CACHE_HOME", ".cache");
-}
 
 Interface::Interface(const Window& window, const fs::path& layout) : layout_(layout.string()) {
   IMGUI_CHECKVERSION();
@@ -79,25 +57,33 @@ InterfaceDrawer::InterfaceDrawer(const Device& device, const Swapchain& swapchai
                                            .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
                                            .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
                                            .initialLayout = use::kTransferDestination.layout,
-                                           .finalLayout = use::kPresent.layout};
+                                           .finalLayout = Swapchain::kAfter.layout};
   const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkSubpassDescription subpass{
       .pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS, .colorAttachmentCount = 1, .pColorAttachments = &reference};
-  const VkSubpassDependency dependency{
-      .srcSubpass = VK_SUBPASS_EXTERNAL,
-      .dstSubpass = 0,
-      .srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT,
-      .dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-      .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
-      .dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT};
+  // Between the transfer that brings the picture and the one that takes it to the window.
+  const VkPipelineStageFlags drawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  const VkAccessFlags draws = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  const std::array dependencies{VkSubpassDependency{.srcSubpass = VK_SUBPASS_EXTERNAL,
+                                                    .dstSubpass = 0,
+                                                    .srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                                    .dstStageMask = drawing,
+                                                    .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
+                                                    .dstAccessMask = draws},
+                                VkSubpassDependency{.srcSubpass = 0,
+                                                    .dstSubpass = VK_SUBPASS_EXTERNAL,
+                                                    .srcStageMask = drawing,
+                                                    .dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                                    .srcAccessMask = draws,
+                                                    .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT}};
   renderPass_ = make<RenderPassHandle>(device, vkCreateRenderPass,
                                        VkRenderPassCreateInfo{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
                                                               .attachmentCount = 1,
                                                               .pAttachments = &attachment,
                                                               .subpassCount = 1,
                                                               .pSubpasses = &subpass,
-                                                              .dependencyCount = 1,
-                                                              .pDependencies = &dependency},
+                                                              .dependencyCount = std::uint32_t(dependencies.size()),
+                                                              .pDependencies = dependencies.data()},
                                        "vkCreateRenderPass");
   ImGui_ImplVulkan_InitInfo info{};
   info.Instance = device.instance();
@@ -125,30 +111,25 @@ void InterfaceDrawer::beginFrame() {
   ImGui::NewFrame();
 }
 
-void InterfaceDrawer::makeFramebuffers(const Swapchain& swapchain, const Swapchain::Frame& frame) {
-  if (generation_ != swapchain.generation()) {
-    framebuffers_.clear();
-    framebuffers_.resize(swapchain.imageCount());
-    generation_ = swapchain.generation();
-  }
-  if (framebuffers_[frame.index].get() != VK_NULL_HANDLE) return;
-  framebuffers_[frame.index] =
-      make<FramebufferHandle>(device_, vkCreateFramebuffer,
-                              VkFramebufferCreateInfo{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
-                                                      .renderPass = renderPass_.get(),
-                                                      .attachmentCount = 1,
-                                                      .pAttachments = &frame.view,
-                                                      .width = frame.extent.width,
-                                                      .height = frame.extent.height,
-                                                      .layers = 1},
-                              "vkCreateFramebuffer");
+void InterfaceDrawer::makeFramebuffer(const Swapchain& swapchain, const Swapchain::Frame& frame) {
+  if (generation_ == swapchain.generation()) return;
+  framebuffer_ = make<FramebufferHandle>(device_, vkCreateFramebuffer,
+                                         VkFramebufferCreateInfo{.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                                                 .renderPass = renderPass_.get(),
+                                                                 .attachmentCount = 1,
+                                                                 .pAttachments = &frame.view,
+                                                                 .width = frame.extent.width,
+                                                                 .height = frame.extent.height,
+                                                                 .layers = 1},
+                                         "vkCreateFramebuffer");
+  generation_ = swapchain.generation();
 }
 
 void InterfaceDrawer::record(const Swapchain& swapchain, const Swapchain::Frame& frame) {
-  makeFramebuffers(swapchain, frame);
+  makeFramebuffer(swapchain, frame);
   const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                     .renderPass = renderPass_.get(),
-                                    .framebuffer = framebuffers_[frame.index].get(),
+                                    .framebuffer = framebuffer_.get(),
                                     .renderArea = {{0, 0}, frame.extent}};
   vkCmdBeginRenderPass(frame.commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
   ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), frame.commands);

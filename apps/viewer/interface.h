@@ -4,7 +4,7 @@
 #pragma once
 
 #include <filesystem>
-#include <vector>
+#include <string>
 
 #include "gpu/handle.h"
 #include "viewer/swapchain.h"
@@ -32,23 +32,18 @@ class InterfaceDrawer {
   ~InterfaceDrawer();  // the device is idle
 
   void beginFrame();
-  /// Records what was shown since beginFrame (ImGui::Render has been called) over what the image holds. The image is a
-  /// transfer's destination before and in use::kPresent's layout after.
+  /// Records what was shown since beginFrame (ImGui::Render has been called) over what the frame's image holds. It is a
+  /// transfer's destination before and as Swapchain::kAfter says after.
   void record(const Swapchain& swapchain, const Swapchain::Frame& frame);
 
  private:
-  void makeFramebuffers(const Swapchain& swapchain, const Swapchain::Frame& frame);
+  void makeFramebuffer(const Swapchain& swapchain, const Swapchain::Frame& frame);
 
   const Device& device_;
   DescriptorPoolHandle pool_;
   RenderPassHandle renderPass_;
   std::uint64_t generation_ = 0;
-  std::vector<FramebufferHandle> framebuffers_;  // by image
+  FramebufferHandle framebuffer_;
 };
-
-/// The user's folders for what programs keep: libibr in $XDG_CONFIG_HOME or ~/.config, for what could be made again in
-/// $XDG_CACHE_HOME or ~/.cache; made where they are missing. Empty where that cannot be.
-std::filesystem::path settingsFolder();
-std::filesystem::path cacheFolder();
 
 }  // namespace ibr::app

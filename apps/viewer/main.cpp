@@ -13,6 +13,7 @@
 #include "shared/exit_code.h"
 #include "shared/options.h"
 #include "shared/settings.h"
+#include "viewer/folders.h"
 #include "viewer/session.h"
 
 namespace fs = std::filesystem;
@@ -27,7 +28,7 @@ struct Options {
   SessionOptions session;
   std::vector<std::string> places;
   PictureSize size{1280, 720};
-  std::string screenshot, screenshots = ".", shaders;
+  std::string screenshot, screenshots = picturesFolder().string(), shaders;
   RenderSettings settings;
   bool bare = false;
   bool forget = false;
@@ -40,7 +41,8 @@ void declare(CLI::App& app, Options& o) {
   addInt(app, "--frames", o.session.frames, 0, 1000000000,
          "Ends after so many frames of what is opened; 0: when closed");
   app.add_option("--screenshot", o.screenshot, "Picture of the view, written when the program ends")->type_name("FILE");
-  app.add_option("--screenshots", o.screenshots, "Folder for pictures and camera paths [the current one]")
+  app.add_option("--screenshots", o.screenshots,
+                 fmt::format("Folder for pictures, camera paths and videos [{}]", o.screenshots))
       ->type_name("DIR");
   app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
   app.add_flag("--forget", o.forget,
@@ -48,7 +50,9 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--shaders", o.shaders, "A source tree's folder shaders: what is edited there shows at once")
       ->type_name("DIR");
   app.add_flag("--validation", o.session.validation, "Vulkan's validation layers say what is wrong");
-  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests
+  app.add_option("--lose-device", o.session.loseAtFrame)->group("");  // for tests, as these are
+  app.add_option("--lose-surface", o.session.loseSurfaceAtFrame)->group("");
+  app.add_flag("--only-srgb", o.session.onlySrgb)->group("");
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.settings);
     declareGpuScene(app, o.session.gpuScene);
@@ -88,14 +92,10 @@ std::string report(const Viewer& viewer, const Window& window) {
                       {"fovY", place->walk.fovY}});
   }
   const VkExtent2D size = window.pixels();
-  Json log = Json::array();
-  for (const LogLine& line : viewer.log)
-    if (line.level >= LogLevel::warning) log.push_back(line.text);
-  return Json{{"frames", viewer.frames},
-              {"size", {size.width, size.height}},
-              {"current", viewer.current},
-              {"places", std::move(places)},
-              {"warnings", std::move(log)}}
+  Json warnings = Json::array(), said = Json::array();
+  for (const LogLine& line : viewer.log) (line.level >= LogLevel::warning ? warnings : said).push_back(line.text);
+  return Json{{"frames", viewer.frames},     {"size", {size.width, size.height}}, {"current", viewer.current},
+              {"places", std::move(places)}, {"warnings", std::move(warnings)},   {"said", std::move(said)}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

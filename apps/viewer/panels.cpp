@@ -85,7 +85,7 @@ void showAll(PanelInput& input) {
     }
   }
   if (viewer.showHelp) showHelp(input);
-  if (viewer.showInterface || !viewer.opening.empty() || !viewer.building.empty() || !viewer.shaderFaults.empty())
+  if (viewer.showInterface || !viewer.opening.empty() || !viewer.jobs.empty() || !viewer.shaderFaults.empty())
     showMessage(input);
 }
 
@@ -123,18 +123,18 @@ void showMessage(PanelInput& input) {
   Viewer& viewer = input.viewer;
   const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
   if (!still) viewer.message.clear();
-  if (!still && viewer.opening.empty() && viewer.building.empty() && viewer.shaderFaults.empty()) return;
+  if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1});
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
   for (const auto& [file, text] : viewer.shaderFaults)
     ImGui::TextColored({0.95f, 0.7f, 0.3f, 1}, "%s\n%s", file.c_str(), text.c_str());
-  for (const auto& job : viewer.building) {
+  for (const auto& job : viewer.jobs) {
     ImGui::PushID(job.get());
     if (ImGui::SmallButton("stop")) job->cancel();
     ImGui::SameLine();
-    ImGui::Text("making %s: %s", job->scene().filename().string().c_str(), job->progress().c_str());
+    ImGui::Text("making %s: %s", job->plan().name.c_str(), job->progress().c_str());
     ImGui::PopID();
   }
   if (still) {

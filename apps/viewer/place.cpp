@@ -100,6 +100,8 @@ void Place::addRouteKey() {
 void Place::showRoute() {
   showingRoute = !route.keys.empty();
   routeTime = 0;
+  // As in a video that is made of it.
+  if (showingRoute && video && playing) time = std::fmod(route.keys.front().time, video->duration());
   changed = true;
 }
 

@@ -15,8 +15,9 @@ namespace ibr::app {
 
 fs::path freeFile(const fs::path& folder, const char* name, const char* extension) {
   for (int number = 1;; ++number) {
-    fs::path file = folder / fmt::format("{}_{:04d}{}", name, number, extension);
-    if (!fs::exists(file)) return file;
+    const fs::path stem = folder / fmt::format("{}_{:04d}", name, number);
+    const auto isFree = [&](const char* ending) { return !fs::exists(stem.string() + ending); };
+    if (isFree(extension) && isFree("") && isFree(".mp4")) return stem.string() + extension;
   }
 }
 

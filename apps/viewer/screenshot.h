@@ -10,7 +10,7 @@
 
 namespace ibr::app {
 
-/// FOLDER/NAME_0001.png, say, or the first such number that is free.
+/// FOLDER/NAME_0001.png, say, or the first such number that is free: no video and no folder has it either.
 std::filesystem::path freeFile(const std::filesystem::path& folder, const char* name, const char* extension);
 
 /// Writes what `ibr render` writes for the same view and settings. Throws Error{io}.

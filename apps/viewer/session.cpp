@@ -8,11 +8,8 @@
 #include <utility>
 
 #include "base/check.h"
-#include "base/file.h"
 #include "gpu/barrier.h"
-#include "shared/view_text.h"
 #include "viewer/controls.h"
-#include "viewer/screenshot.h"
 
 namespace ibr::app {
 namespace {
@@ -48,7 +45,7 @@ Session::Session(Window& window, Viewer& viewer, const SessionOptions& options)
       viewer_(viewer),
       options_(options),
       device_(makeDevice(options, viewer)),
-      swapchain_(device_, window),
+      swapchain_(device_, window, options.onlySrgb),
       drawer_(device_, swapchain_),
       last_(std::chrono::steady_clock::now()) {
   if (!options.shaders.empty()) shaders_.emplace(device_, ShaderReloadOptions{.folder = options.shaders});
@@ -63,7 +60,7 @@ double Session::pause() const {
   if (redraws_ > 0 || pictureWanted_) return 0;
   const auto now = std::chrono::steady_clock::now();
   // A message goes away, a place may have been read.
-  return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.building.empty() ? 0.1 : 3600;
+  return shaders_ || viewer_.messageUntil > now || !viewer_.opening.empty() || !viewer_.jobs.empty() ? 0.1 : 3600;
 }
 
 void Session::run() {
@@ -75,8 +72,7 @@ void Session::run() {
       redraws_ = 3;
       pictureWanted_ = true;
     }
-    if (!viewer_.opening.empty() || !viewer_.building.empty() || !viewer_.message.empty())
-      redraws_ = std::max(redraws_, 1);
+    if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
     if (shaders_) reloadShaders();
     if (redraws_ == 0 && !pictureWanted_) continue;
     if (!draw()) {
@@ -85,7 +81,7 @@ void Session::run() {
     }
     redraws_ = std::max(0, redraws_ - 1);
     forgetClosed();
-    const bool ready = viewer_.opening.empty() && viewer_.building.empty();
+    const bool ready = viewer_.opening.empty() && viewer_.jobs.empty();
     if (options_.frames > 0 && ready && ++shown >= options_.frames) break;
   }
   if (!options_.screenshot.empty()) takeScreenshot(options_.screenshot);
@@ -153,7 +149,7 @@ void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
     drawn->record({frame.commands, frame_, completed, seconds}, target, timers_[frame.slot].get());
     pictureWanted_ = drawn->restless();
   }
-  transition(frame.commands, frame.image, Swapchain::kAcquired, use::kTransferDestination);
+  transition(frame.commands, frame.image, Swapchain::kBefore, use::kTransferDestination);
   if (drawn) {
     copyPicture(frame.commands, picture_->target().image, picture_->target().extent, frame.image, frame.extent);
   } else {
@@ -186,6 +182,7 @@ bool Session::draw() {
   ++viewer_.frames;
   try {
     check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "(for a test)");
+    if (viewer_.frames == options_.loseSurfaceAtFrame) swapchain_.loseSurface();
     if (auto times = timers_[frame->slot]->read(); !times.empty()) viewer_.deviceTimes = std::move(times);
     timers_[frame->slot]->reset(frame->commands);
     showPanels();
@@ -209,62 +206,10 @@ bool Session::draw() {
     pictureWanted_ = true;
     return true;
   }
-  swapchain_.end(*frame);
+  if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
   viewer_.frameMilliseconds[viewer_.frames % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
-  if (std::exchange(viewer_.wantsCopy, false))
-    if (const Place* place = viewer_.place())
-      window_.setClipboard(viewText({place->walk.pose, place->walk.fovY, place->walk.up}));
-  if (std::exchange(viewer_.wantsPaste, false)) paste();
-  if (std::exchange(viewer_.wantsRoute, false)) saveRoute();
-  if (viewer_.wantsScreenshot) {
-    viewer_.wantsScreenshot = false;
-    // A folder that cannot be written is no reason to end.
-    try {
-      takeScreenshot(freeFile(options_.screenshots, "view", ".png"));
-    } catch (const Error& e) {
-      if (e.code() == ErrorCode::deviceLost) throw;
-      viewer_.say(LogLevel::error, e.what());
-    }
-  }
+  grantWishes();
   return true;
-}
-
-void Session::paste() {
-  Place* place = viewer_.place();
-  if (!place) return;
-  try {
-    const TextView view = viewOf(window_.clipboard());
-    flyTo(place->walk, view.pose, view.fovY, 0);
-    place->changed = true;
-  } catch (const Error& e) {
-    viewer_.say(LogLevel::warning, std::string("The clipboard holds no view: ") + e.what());
-  }
-  redraws_ = 3;
-}
-
-void Session::saveRoute() {
-  Place* place = viewer_.place();
-  if (!place || place->route.keys.empty()) return;
-  place->route.width = int(picture_->target().extent.width);
-  place->route.height = int(picture_->target().extent.height);
-  const std::filesystem::path file = freeFile(options_.screenshots, "path", ".json");
-  try {
-    writeCameraPath(file, place->route);
-    viewer_.show(fmt::format("{} written", file.string()));
-  } catch (const Error& e) {
-    viewer_.say(LogLevel::error, e.what());
-  }
-  redraws_ = 3;
-}
-
-void Session::takeScreenshot(const std::filesystem::path& file) {
-  Place* place = viewer_.place();
-  check(place && picture_, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
-  vkDeviceWaitIdle(device_.handle());
-  const VkExtent2D extent = picture_->target().extent;
-  const Image8 image = drawnPlace()->picture(extent, frame_);
-  writeScreenshot(file, image, *place, extent, options_.gpuScene);
-  viewer_.show(fmt::format("{} written", file.string()));
 }
 
 }  // namespace ibr::app

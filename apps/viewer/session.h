@@ -23,11 +23,14 @@ struct SessionOptions {
   std::filesystem::path pipelineCache;  // file; empty: none
   bool validation = false;
   GpuSceneOptions gpuScene;
-  std::size_t loseAtFrame = 0;        // of all frames: the device is as if lost then; 0: never. For tests
+  // For tests: of all frames, when the device and the window's surface are as if lost, 0: never; the window is as if it
+  // took no formats but sRGB.
+  std::size_t loseAtFrame = 0, loseSurfaceAtFrame = 0;
+  bool onlySrgb = false;
   int frames = 0;                     // to show before it ends; 0: until the window is closed
   std::filesystem::path screenshot;   // written at the end; empty: none
   std::filesystem::path shaders;      // of a source tree: edits show while the viewer runs; empty: none
-  std::filesystem::path screenshots;  // folder for those that are asked for
+  std::filesystem::path screenshots;  // folder for those that are asked for, camera paths and videos
 };
 
 class Session {
@@ -49,8 +52,10 @@ class Session {
   bool draw();           // false: there is nothing to draw into now
   void showPanels();
   void recordPicture(const Swapchain::Frame& frame, double seconds);
+  void grantWishes();
   void paste();
-  void saveRoute();
+  std::filesystem::path saveRoute();  // empty: there was nothing to save
+  void makeVideo();
   void takeScreenshot(const std::filesystem::path& file);
   void forgetClosed();
   void reloadShaders();

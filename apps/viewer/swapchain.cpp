@@ -3,197 +3,275 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "base/check.h"
+#include "gpu/barrier.h"
+#include "ibr/error.h"
 
 namespace ibr::app {
 namespace {
 
-constexpr VkImageUsageFlags kUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+constexpr int kMostLosses = 3;                       // of the surface, one after the other
+constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never give one
+constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
 
-// Values are display-encoded by us; a surface that only takes linear ones encodes them again when they are blitted.
-VkSurfaceFormatKHR chosenFormat(VkPhysicalDevice device, VkSurfaceKHR surface) {
+// What windows show, and values of the same bits that are not encoded when they are drawn: the better, the earlier.
+constexpr std::array<std::pair<VkFormat, VkFormat>, 9> kFormats{{
+    {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM},
+    {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
+    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, VK_FORMAT_A8B8G8R8_UNORM_PACK32},
+    {VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM},
+    {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM},
+    {VK_FORMAT_A8B8G8R8_SRGB_PACK32, VK_FORMAT_A8B8G8R8_UNORM_PACK32},
+    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_A2B10G10R10_UNORM_PACK32},
+    {VK_FORMAT_A2R10G10B10_UNORM_PACK32, VK_FORMAT_A2R10G10B10_UNORM_PACK32},
+    {VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R5G6B5_UNORM_PACK16},
+}};
+
+std::vector<VkSurfaceFormatKHR> surfaceFormats(VkPhysicalDevice device, VkSurfaceKHR surface) {
   std::uint32_t count = 0;
   vk(vkGetPhysicalDeviceSurfaceFormatsKHR(device, surface, &count, nullptr), "vkGetPhysicalDeviceSurfaceFormatsKHR");
   std::vector<VkSurfaceFormatKHR> formats(count);
   vk(vkGetPhysicalDeviceSurfaceFormatsKHR(device, surface, &count, formats.data()),
      "vkGetPhysicalDeviceSurfaceFormatsKHR");
-  for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_A2B10G10R10_UNORM_PACK32,
-                                VK_FORMAT_A2R10G10B10_UNORM_PACK32})
-    for (const VkSurfaceFormatKHR& format : formats)
-      if (format.format == wanted && format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) return format;
-  fail(ErrorCode::unsupported, "the window takes none of the {} formats that pictures can be shown in", count);
+  return formats;
+}
+
+bool isSrgb(VkFormat format) {
+  return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_R8G8B8A8_SRGB ||
+         format == VK_FORMAT_A8B8G8R8_SRGB_PACK32;
+}
+
+SemaphoreHandle makeSemaphore(const Device& device) {
+  return make<SemaphoreHandle>(device, vkCreateSemaphore,
+                               VkSemaphoreCreateInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO},
+                               "vkCreateSemaphore");
+}
+
+// Opaque where that is a choice: our alpha says nothing about the desktop behind.
+VkCompositeAlphaFlagBitsKHR compositeAlpha(VkCompositeAlphaFlagsKHR can) {
+  for (const auto wanted : {VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR, VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR,
+                            VK_COMPOSITE_ALPHA_POST_MULTIPLIED_BIT_KHR})
+    if (can & wanted) return wanted;
+  return VK_COMPOSITE_ALPHA_PRE_MULTIPLIED_BIT_KHR;
+}
+
+VkExtent2D extentOf(const VkSurfaceCapabilitiesKHR& can, VkExtent2D window) {
+  const bool free = can.currentExtent.width == std::numeric_limits<std::uint32_t>::max();
+  const VkExtent2D wanted = free ? window : can.currentExtent;
+  return {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
+          std::clamp(wanted.height, can.minImageExtent.height, can.maxImageExtent.height)};
 }
 
 }  // namespace
 
-Swapchain::Swapchain(const Device& device, const Window& window)
-    : device_(device), window_(window), surface_(window.makeSurface(device.instance())) {
-  try {
-    VkBool32 shows = VK_FALSE;
-    vk(vkGetPhysicalDeviceSurfaceSupportKHR(device.physicalDevice(), device.queueFamily(), surface_, &shows),
-       "vkGetPhysicalDeviceSurfaceSupportKHR");
-    check(shows, ErrorCode::unsupported, "{} cannot show pictures in this window", device.name());
-    format_ = chosenFormat(device.physicalDevice(), surface_);
-    for (Slot& slot : slots_) {
-      slot.pool = make<CommandPoolHandle>(device, vkCreateCommandPool,
-                                          VkCommandPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                                                  .queueFamilyIndex = device.queueFamily()},
-                                          "vkCreateCommandPool");
-      const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                 .commandPool = slot.pool.get(),
-                                                 .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                                 .commandBufferCount = 1};
-      vk(vkAllocateCommandBuffers(device.handle(), &allocate, &slot.commands), "vkAllocateCommandBuffers");
-      slot.done = make<FenceHandle>(
-          device, vkCreateFence,
-          VkFenceCreateInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .flags = VK_FENCE_CREATE_SIGNALED_BIT},
-          "vkCreateFence");
-      slot.acquired = make<SemaphoreHandle>(device, vkCreateSemaphore,
-                                            VkSemaphoreCreateInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO},
-                                            "vkCreateSemaphore");
-    }
-  } catch (...) {
-    vkDestroySurfaceKHR(device.instance(), surface_, nullptr);
-    throw;
-  }
+Swapchain::Swapchain(const Device& device, const Window& window, bool onlySrgb)
+    : device_(device), window_(window), onlySrgb_(onlySrgb) {
+  makeSurface();
+  for (Slot& slot : slots_) makeSlot(slot);
 }
 
 Swapchain::~Swapchain() {
   vkDeviceWaitIdle(device_.handle());
   drop();
-  vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
+}
+
+void Swapchain::makeSlot(Slot& slot) const {
+  slot.pool = make<CommandPoolHandle>(device_, vkCreateCommandPool,
+                                      VkCommandPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                                              .queueFamilyIndex = device_.queueFamily()},
+                                      "vkCreateCommandPool");
+  const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                             .commandPool = slot.pool.get(),
+                                             .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                             .commandBufferCount = 1};
+  vk(vkAllocateCommandBuffers(device_.handle(), &allocate, &slot.commands), "vkAllocateCommandBuffers");
+  slot.done = make<FenceHandle>(
+      device_, vkCreateFence,
+      VkFenceCreateInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .flags = VK_FENCE_CREATE_SIGNALED_BIT},
+      "vkCreateFence");
+  slot.acquired = makeSemaphore(device_);
+}
+
+// Colours that are meant for sRGB go into any colour space rather than nowhere.
+Swapchain::Format Swapchain::chosenFormat() const {
+  const std::vector<VkSurfaceFormatKHR> formats = surfaceFormats(device_.physicalDevice(), surface_->get());
+  for (const bool anySpace : {false, true})
+    for (const auto& [shown, drawn] : kFormats)
+      for (const VkSurfaceFormatKHR& format : formats)
+        if (format.format == shown && (anySpace || format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) &&
+            (!onlySrgb_ || isSrgb(shown)))
+          return {drawn, format};
+  fail(ErrorCode::unsupported, "the window takes none of the formats that pictures can be shown in, but {} others",
+       formats.size());
+}
+
+void Swapchain::makeSurface() {
+  vk(vkDeviceWaitIdle(device_.handle()), "vkDeviceWaitIdle");
+  drop();
+  surface_.reset();  // first: a window has one
+  surface_.emplace(device_.instance(), window_);
+  VkBool32 shows = VK_FALSE;
+  vk(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physicalDevice(), device_.queueFamily(), surface_->get(), &shows),
+     "vkGetPhysicalDeviceSurfaceSupportKHR");
+  check(shows, ErrorCode::unsupported, "{} cannot show pictures in this window", device_.name());
+  format_ = chosenFormat();
+  lost_ = false;
+}
+
+// Where that does not help, everything is made anew.
+void Swapchain::replaceSurface() try {
+  const VkFormat before = format_.drawn;
+  makeSurface();
+  check(before == format_.drawn, ErrorCode::deviceLost, "the window has another format now");
+} catch (const Error& e) {
+  fail(ErrorCode::deviceLost, "the window's surface was lost: {}", e.what());
 }
 
 void Swapchain::drop() noexcept {
   rendered_.clear();
-  views_.clear();
   images_.clear();
   vkDestroySwapchainKHR(device_.handle(), std::exchange(swapchain_, VK_NULL_HANDLE), nullptr);
 }
 
+// Whether what was asked for has been done; what is wrong with images or surface is mended by the next frame.
+bool Swapchain::goesOn(VkResult result, const char* call) {
+  if (result == VK_ERROR_SURFACE_LOST_KHR) {
+    check(++losses_ <= kMostLosses, ErrorCode::deviceLost, "{}: the window's surface is lost again and again", call);
+    lost_ = true;
+  }
+  outdated_ |= lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
+  if (lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT) return false;
+  if (result != VK_SUBOPTIMAL_KHR) vk(result, call);
+  return true;
+}
+
 void Swapchain::makeImages() {
   vk(vkDeviceWaitIdle(device_.handle()), "vkDeviceWaitIdle");
-  // A semaphore that an abandoned frame has left signalled cannot be waited for.
-  for (Slot& slot : slots_)
-    slot.acquired = make<SemaphoreHandle>(device_, vkCreateSemaphore,
-                                          VkSemaphoreCreateInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO},
-                                          "vkCreateSemaphore");
   drop();
-  ++generation_;
   VkSurfaceCapabilitiesKHR can{};
-  vk(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice(), surface_, &can),
-     "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
-  extent_ = can.currentExtent.width != std::numeric_limits<std::uint32_t>::max() ? can.currentExtent : window_.pixels();
-  extent_.width = std::clamp(extent_.width, can.minImageExtent.width, can.maxImageExtent.width);
-  extent_.height = std::clamp(extent_.height, can.minImageExtent.height, can.maxImageExtent.height);
+  if (!goesOn(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice(), surface_->get(), &can),
+              "vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))
+    return;
+  madeFor_ = window_.pixels();
+  extent_ = extentOf(can, madeFor_);
   if (extent_.width == 0 || extent_.height == 0) return;
-  check((can.supportedUsageFlags & kUsage) == kUsage, ErrorCode::unsupported,
+  check(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT, ErrorCode::unsupported,
         "{} cannot copy pictures into this window", device_.name());
   const std::uint32_t most = can.maxImageCount > 0 ? can.maxImageCount : std::numeric_limits<std::uint32_t>::max();
-  const VkSwapchainCreateInfoKHR info{
-      .sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
-      .surface = surface_,
-      .minImageCount = std::min(std::max(can.minImageCount + 1, 2u), most),
-      .imageFormat = format_.format,
-      .imageColorSpace = format_.colorSpace,
-      .imageExtent = extent_,
-      .imageArrayLayers = 1,
-      .imageUsage = kUsage,
-      .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
-      .preTransform = can.currentTransform,
-      .compositeAlpha = (can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR)
-                            ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
-                            : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR,
-      .presentMode = VK_PRESENT_MODE_FIFO_KHR,
-      .clipped = VK_TRUE};
-  vk(vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_), "vkCreateSwapchainKHR");
+  const VkSwapchainCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
+                                      .surface = surface_->get(),
+                                      .minImageCount = std::min(can.minImageCount + 1, most),
+                                      .imageFormat = format_.shown.format,
+                                      .imageColorSpace = format_.shown.colorSpace,
+                                      .imageExtent = extent_,
+                                      .imageArrayLayers = 1,
+                                      .imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                      .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
+                                      .preTransform = can.currentTransform,
+                                      .compositeAlpha = compositeAlpha(can.supportedCompositeAlpha),
+                                      .presentMode = VK_PRESENT_MODE_FIFO_KHR,  // the one that always is there
+                                      .clipped = VK_TRUE};
+  if (!goesOn(vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_), "vkCreateSwapchainKHR")) return;
   std::uint32_t count = 0;
   vk(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR");
-  images_.resize(count);
-  vk(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, images_.data()), "vkGetSwapchainImagesKHR");
-  for (const VkImage image : images_) {
-    views_.push_back(
-        make<ImageViewHandle>(device_, vkCreateImageView,
-                              VkImageViewCreateInfo{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                                    .image = image,
-                                                    .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                                    .format = format_.format,
-                                                    .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}},
-                              "vkCreateImageView"));
-    rendered_.push_back(make<SemaphoreHandle>(device_, vkCreateSemaphore,
-                                              VkSemaphoreCreateInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO},
-                                              "vkCreateSemaphore"));
-  }
+  std::vector<VkImage> images(count);
+  vk(vkGetSwapchainImagesKHR(device_.handle(), swapchain_, &count, images.data()), "vkGetSwapchainImagesKHR");
+  while (rendered_.size() < images.size()) rendered_.push_back(makeSemaphore(device_));
+  ++generation_;
+  drawn_ = {};  // first, so that there is never memory for two
+  drawn_ = GpuImage(device_,
+                    {.format = format_.drawn,
+                     .extent = extent_,
+                     .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                              VK_IMAGE_USAGE_TRANSFER_DST_BIT},
+                    "the window's picture");
+  images_ = std::move(images);
   outdated_ = false;
 }
 
 std::optional<Swapchain::Frame> Swapchain::begin() {
   const VkExtent2D wanted = window_.pixels();
   if (wanted.width == 0 || wanted.height == 0) return std::nullopt;
-  if (outdated_ || wanted.width != extent_.width || wanted.height != extent_.height) makeImages();
+  if (lost_) replaceSurface();
+  if (outdated_ || wanted.width != madeFor_.width || wanted.height != madeFor_.height) makeImages();
   if (images_.empty()) return std::nullopt;
-  Slot& slot = slots_[slot_];
+  const Slot& slot = slots_[slot_];
   const VkFence done = slot.done.get();
-  vk(vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, std::numeric_limits<std::uint64_t>::max()),
-     "vkWaitForFences");
-  std::uint32_t index = 0;
-  const VkResult result = vkAcquireNextImageKHR(device_.handle(), swapchain_, std::numeric_limits<std::uint64_t>::max(),
-                                                slot.acquired.get(), VK_NULL_HANDLE, &index);
-  if (result == VK_ERROR_OUT_OF_DATE_KHR) {
-    outdated_ = true;
-    return std::nullopt;
-  }
-  if (result == VK_SUBOPTIMAL_KHR)
-    outdated_ = true;  // after this frame
-  else
-    vk(result, "vkAcquireNextImageKHR");
+  vk(vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
   vk(vkResetCommandPool(device_.handle(), slot.pool.get(), 0), "vkResetCommandPool");
   const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
   vk(vkBeginCommandBuffer(slot.commands, &info), "vkBeginCommandBuffer");
-  return Frame{slot.commands, images_[index], views_[index].get(), index, slot_, extent_};
+  return Frame{slot.commands, drawn_.get(), drawn_.view(), slot_, extent_};
 }
 
-void Swapchain::end(const Frame& frame) {
-  Slot& slot = slots_[frame.slot];
-  vk(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");
+std::optional<std::uint32_t> Swapchain::acquire(const Slot& slot) {
+  std::uint32_t index = 0;
+  const VkResult result = std::exchange(loses_, false)
+                              ? VK_ERROR_SURFACE_LOST_KHR
+                              : vkAcquireNextImageKHR(device_.handle(), swapchain_, kLongestWait, slot.acquired.get(),
+                                                      VK_NULL_HANDLE, &index);
+  return goesOn(result, "vkAcquireNextImageKHR") ? std::optional(index) : std::nullopt;
+}
+
+void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
+  constexpr ImageUse kAcquired{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  const VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  const VkImageCopy region{layers, {0, 0, 0}, layers, {0, 0, 0}, {extent_.width, extent_.height, 1}};
+  transition(commands, image, kAcquired, use::kTransferDestination);
+  vkCmdCopyImage(commands, drawn_.get(), kAfter.layout, image, use::kTransferDestination.layout, 1, &region);
+  transition(commands, image, use::kTransferDestination, use::kPresent);
+}
+
+void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) const {
   const VkFence done = slot.done.get();
   vk(vkResetFences(device_.handle(), 1, &done), "vkResetFences");
+  // The copy alone needs the window's image; it also comes last.
   const auto semaphore = [](VkSemaphore which) {
     return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
                                  .semaphore = which,
-                                 .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
+                                 .stageMask = VK_PIPELINE_STAGE_2_TRANSFER_BIT};
   };
-  const VkSemaphoreSubmitInfo wait = semaphore(slot.acquired.get()), signal = semaphore(rendered_[frame.index].get());
+  const VkSemaphoreSubmitInfo wait = semaphore(slot.acquired.get());
+  VkSemaphoreSubmitInfo signal = semaphore(index ? rendered_[*index].get() : VK_NULL_HANDLE);
+  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   const VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
-                                           .commandBuffer = frame.commands};
-  const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                             .waitSemaphoreInfoCount = 1,
-                             .pWaitSemaphoreInfos = &wait,
-                             .commandBufferInfoCount = 1,
-                             .pCommandBufferInfos = &commands,
-                             .signalSemaphoreInfoCount = 1,
-                             .pSignalSemaphoreInfos = &signal};
-  vk(vkQueueSubmit2(device_.queue(), 1, &submit, done), "vkQueueSubmit2");
+                                           .commandBuffer = slot.commands};
+  const VkSubmitInfo2 submission{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+                                 .waitSemaphoreInfoCount = index ? 1u : 0u,
+                                 .pWaitSemaphoreInfos = &wait,
+                                 .commandBufferInfoCount = 1,
+                                 .pCommandBufferInfos = &commands,
+                                 .signalSemaphoreInfoCount = index ? 1u : 0u,
+                                 .pSignalSemaphoreInfos = &signal};
+  vk(vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
+}
+
+bool Swapchain::end(const Frame& frame) {
+  const Slot& slot = slots_[frame.slot];
+  // What the frame has recorded is done in any case: photographs that it uploads count as there.
+  const std::optional<std::uint32_t> index = acquire(slot);
+  if (index) recordCopy(frame.commands, images_[*index]);
+  vk(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");
+  submit(slot, index);
   slot_ = (slot_ + 1) % kFramesInFlight;
-  const VkSemaphore shown = signal.semaphore;
+  if (!index) return false;
+  const VkSemaphore rendered = rendered_[*index].get();
   const VkPresentInfoKHR present{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
                                  .waitSemaphoreCount = 1,
-                                 .pWaitSemaphores = &shown,
+                                 .pWaitSemaphores = &rendered,
                                  .swapchainCount = 1,
                                  .pSwapchains = &swapchain_,
-                                 .pImageIndices = &frame.index};
-  const VkResult result = vkQueuePresentKHR(device_.queue(), &present);
-  if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR)
-    outdated_ = true;
-  else
-    vk(result, "vkQueuePresentKHR");
+                                 .pImageIndices = &*index};
+  if (!goesOn(vkQueuePresentKHR(device_.queue(), &present), "vkQueuePresentKHR")) return false;
+  losses_ = 0;
+  return true;
 }
 
 void Swapchain::abandon(const Frame& frame) noexcept {
   vkEndCommandBuffer(frame.commands);
-  outdated_ = true;
 }
 
 }  // namespace ibr::app

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A window's images, and the frames that are in flight to them.
 //
-// Images are made anew when the window changes its size or the surface says that they are out of date; until there is
-// something to draw into (a minimised window has no pixels) `begin` gives nothing. Frames use what they use until the
-// device has finished them: `begin` waits for the frame before the last.
+// A frame is drawn into one image of our own, of display-encoded values, and copied bit by bit into the window's at the
+// end. So it looks the same in every format that a window may have, those that would encode values again included, and
+// what draws knows one image. Images are made anew when the window changes its size or the surface says that they are
+// out of date, and the surface too where it is lost; until there is something to draw into (a minimised window has no
+// pixels) `begin` gives nothing. Frames use what they use until the device has finished them: `begin` waits for the
+// frame before the last.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -13,6 +16,7 @@
 #include <optional>
 #include <vector>
 
+#include "gpu/gpu_image.h"
 #include "gpu/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
@@ -24,11 +28,25 @@ using SemaphoreHandle = Handle<VkSemaphore, vkDestroySemaphore>;
 
 inline constexpr std::uint32_t kFramesInFlight = 2;
 
+/// Owns it.
+class Surface {
+ public:
+  Surface(VkInstance instance, const Window& window) : instance_(instance), surface_(window.makeSurface(instance)) {}
+  Surface(const Surface&) = delete;
+  Surface& operator=(const Surface&) = delete;
+  ~Surface() { vkDestroySurfaceKHR(instance_, surface_, nullptr); }
+  VkSurfaceKHR get() const noexcept { return surface_; }
+
+ private:
+  VkInstance instance_;
+  VkSurfaceKHR surface_;
+};
+
 class Swapchain {
  public:
-  /// The device has VK_KHR_swapchain and was made with Window::instanceExtensions. Throws Error{unsupported} where it
-  /// cannot show pictures in this window.
-  Swapchain(const Device& device, const Window& window);
+  /// The device has VK_KHR_swapchain and was made with Window::instanceExtensions. `onlySrgb`: as if the window took
+  /// such formats alone, for tests. Throws Error{unsupported} where it cannot show pictures in this window.
+  Swapchain(const Device& device, const Window& window, bool onlySrgb = false);
   Swapchain(const Swapchain&) = delete;
   Swapchain& operator=(const Swapchain&) = delete;
   ~Swapchain();  // waits for the device
@@ -37,49 +55,65 @@ class Swapchain {
     VkCommandBuffer commands;  // begun
     VkImage image;             // its contents are lost; transfers and colour attachments may write it
     VkImageView view;
-    std::uint32_t index;  // of the image
-    std::uint32_t slot;   // 0 to kFramesInFlight − 1: what was used with it before is free again
+    std::uint32_t slot;  // 0 to kFramesInFlight − 1: what was used with it before is free again
     VkExtent2D extent;
   };
-  /// How the image may be when `begin` gives it: wait for kAcquired's stages.
-  static constexpr ImageUse kAcquired{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                      VK_ACCESS_2_NONE};
+  /// How the image is when `begin` gives it, and how `end` takes it.
+  static constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  static constexpr ImageUse kAfter = use::kTransferSource;
 
-  /// nullopt: not now. Throws Error (deviceLost, outOfMemory).
+  /// nullopt: not now. Throws Error: outOfMemory; deviceLost, also where the surface is lost again and again.
   std::optional<Frame> begin();
-  /// Submits and shows it. The image is in the layout of use::kPresent.
-  void end(const Frame& frame);
-  /// Ends the commands without submitting them; the image is given back by making all of them anew.
+  /// Submits and shows it. Says whether it is shown: the window may have changed or be hidden meanwhile.
+  bool end(const Frame& frame);
+  /// Ends the commands without submitting them.
   void abandon(const Frame& frame) noexcept;
 
-  VkFormat format() const noexcept { return format_.format; }
-  std::uint32_t imageCount() const noexcept { return std::uint32_t(images_.size()); }
-  /// Raised whenever images are other ones: what was made for them is of no use, and the device is idle then.
+  VkFormat format() const noexcept { return format_.drawn; }  // of Frame::image; UNORM
+  /// Raised whenever the image is another one: what was made for it is of no use, and the device is idle then.
   std::uint64_t generation() const noexcept { return generation_; }
 
+  /// As if the surface were lost when the frame is to be shown, for tests.
+  void loseSurface() noexcept { loses_ = true; }
+
  private:
+  struct Format {
+    VkFormat drawn;            // by us
+    VkSurfaceFormatKHR shown;  // by the window
+  };
   struct Slot {
     CommandPoolHandle pool;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     FenceHandle done;
     SemaphoreHandle acquired;
   };
+  Format chosenFormat() const;
+  void makeSlot(Slot& slot) const;
+  void makeSurface();
+  void replaceSurface();
   void makeImages();
   void drop() noexcept;
+  bool goesOn(VkResult result, const char* call);
+  std::optional<std::uint32_t> acquire(const Slot& slot);
+  void recordCopy(VkCommandBuffer commands, VkImage image) const;
+  void submit(const Slot& slot, std::optional<std::uint32_t> index) const;
 
   const Device& device_;
   const Window& window_;
-  VkSurfaceKHR surface_ = VK_NULL_HANDLE;
+  const bool onlySrgb_;
+  std::optional<Surface> surface_;
+  Format format_{};
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
-  VkSurfaceFormatKHR format_{};
-  VkExtent2D extent_{0, 0};
+  VkExtent2D madeFor_{0, 0};  // when the images were made
+  VkExtent2D extent_{0, 0};   // of the images
   std::vector<VkImage> images_;
-  std::vector<ImageViewHandle> views_;
   std::vector<SemaphoreHandle> rendered_;  // by image
+  GpuImage drawn_;
   std::array<Slot, kFramesInFlight> slots_;
   std::uint32_t slot_ = 0;
   std::uint64_t generation_ = 0;
-  bool outdated_ = true;
+  bool outdated_ = true, lost_ = false, loses_ = false;
+  int losses_ = 0;  // of the surface, since something was shown
 };
 
 }  // namespace ibr::app

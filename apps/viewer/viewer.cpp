@@ -7,6 +7,7 @@
 
 #include "ibr/asset.h"
 #include "ibr/error.h"
+#include "viewer/job_plans.h"
 #include "viewer/window.h"
 
 namespace fs = std::filesystem;
@@ -21,7 +22,7 @@ void Viewer::open(const fs::path& path) {
       return;
     }
   if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
-    building.push_back(std::make_unique<BuildJob>(path));
+    jobs.push_back(std::make_unique<Job>(buildPlan(path)));
     say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
     return;
   }
@@ -33,23 +34,24 @@ void Viewer::open(const fs::path& path) {
                      })});
 }
 
-bool Viewer::takeBuilt() {
-  const std::size_t before = building.size();
-  for (std::size_t i = building.size(); i-- > 0;) {
-    const BuildJob& job = *building[i];
-    const BuildJob::State state = job.state();
-    if (state == BuildJob::State::running) continue;
-    if (state == BuildJob::State::done) open(job.scene());
-    if (state == BuildJob::State::cancelled)
-      say(LogLevel::info, fmt::format("{}: stopped", job.photographs().string()));
-    if (state == BuildJob::State::failed) say(LogLevel::error, job.progress());
-    building.erase(building.begin() + std::ptrdiff_t(i));
+bool Viewer::takeDone() {
+  const std::size_t before = jobs.size();
+  for (std::size_t i = jobs.size(); i-- > 0;) {
+    const Job::State state = jobs[i]->state();
+    if (state == Job::State::running) continue;
+    const std::unique_ptr<Job> job = std::move(jobs[i]);
+    jobs.erase(jobs.begin() + std::ptrdiff_t(i));
+    const JobPlan& plan = job->plan();
+    if (state == Job::State::done && !plan.opens.empty()) open(plan.opens);
+    if (state == Job::State::done && !plan.done.empty()) show(plan.done);
+    if (state == Job::State::cancelled) say(LogLevel::info, fmt::format("{}: stopped", plan.name));
+    if (state == Job::State::failed) say(LogLevel::error, fmt::format("{}: {}", plan.name, job->progress()));
   }
-  return building.size() != before;
+  return jobs.size() != before;
 }
 
 bool Viewer::takeOpened() {
-  bool any = takeBuilt();
+  bool any = takeDone();
   // In the order in which they were asked for.
   while (!opening.empty() && opening[0].place.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     Opening done = std::move(opening[0]);

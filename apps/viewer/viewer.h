@@ -13,7 +13,7 @@
 
 #include "gpu/scope.h"
 #include "ibr/log.h"
-#include "viewer/build_job.h"
+#include "viewer/job.h"
 #include "viewer/place.h"
 
 namespace ibr::app {
@@ -34,14 +34,14 @@ struct Viewer {
   std::size_t current = 0;                     // of places, where there is one
   std::size_t shownTab = 0;                    // of places, in the panel
   std::vector<Opening> opening;
-  std::vector<std::unique_ptr<BuildJob>> building;
+  std::vector<std::unique_ptr<Job>> jobs;
   std::deque<LogLine> log;
   LogCallback mirror;    // also gets what is said
   RenderSettings first;  // of scenes when they are opened
 
   bool showInterface = true;  // F2
   bool showHelp = false;      // F1
-  bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false;
+  bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
   bool wantsClose = false;
   std::string message;  // for a moment, over the picture
   std::chrono::steady_clock::time_point messageUntil{};
@@ -58,10 +58,10 @@ struct Viewer {
 
   /// Begins to read a place; a path that is open already is shown. A folder of photographs is made a scene first.
   void open(const std::filesystem::path& path);
-  /// Takes what has been read, and opens what has been built. Says whether there was anything.
+  /// Takes what has been read, and opens what has been made. Says whether there was anything.
   bool takeOpened();
   void closeCurrent();
-  bool takeBuilt();
+  bool takeDone();                             // jobs
   void show(std::string text);                 // into the log, and over the picture for a moment
   void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
 };

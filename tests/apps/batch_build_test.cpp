@@ -48,8 +48,7 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK(!report.at("stages").empty());
 
   SECTION("info and validate read it") {
-    const auto info =
-        runProgram({"info", folder / "scene", "--explain", "--svg", folder / "graph.svg", "--json", "-"});
+    const auto info = runProgram({"info", folder / "scene", "--explain", "--svg", folder / "graph.svg", "--json", "-"});
     REQUIRE(info.code == 0);
     CHECK_THAT(readTextFile(folder / "graph.svg"), Contains("<svg") && Contains("3 photographs"));
     const auto json = nlohmann::json::parse(info.out);
@@ -181,8 +180,8 @@ TEST_CASE("poses come from transforms.json, too, and points from the photographs
                               {"transform_matrix", {{1, 0, 0, p.x}, {0, 1, 0, p.y}, {0, 0, 1, p.z}, {0, 0, 0, 1}}}});
   }
   writeFile(folder / "transforms.json", json.dump());
-  const std::vector<std::string> line{"build", set.photographs, "--transforms", folder / "transforms.json", "-o",
-                                      folder / "scene", "--json", "-"};
+  const std::vector<std::string> line{"build", set.photographs,  "--transforms", folder / "transforms.json",
+                                      "-o",    folder / "scene", "--json",       "-"};
   const auto outcome = runProgram(line);
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
@@ -225,8 +224,8 @@ TEST_CASE("without poses COLMAP is run, and what it made is kept") {
   const test::TinySet set = test::makeTinySet(folder.path());
   fs::create_directories(folder / "models");
   fs::rename(set.photographs / "sparse", folder / "models/0");
-  const std::vector<std::string> line{"build", set.photographs, "-o", folder / "scene", "--colmap", IBR_FAKE_COLMAP,
-                                      "--json", "-"};
+  const std::vector<std::string> line{"build",    set.photographs, "-o",     folder / "scene",
+                                      "--colmap", IBR_FAKE_COLMAP, "--json", "-"};
   const test::RunOptions environment{.environment = {"FAKE_COLMAP=" + folder.path().string()}};
   const auto outcome = runProgram(line, environment);
   INFO(outcome.err);
@@ -249,7 +248,8 @@ TEST_CASE("without poses COLMAP is run, and what it made is kept") {
   fs::remove(folder / "SLEEP-mapper");
   const std::string before = readTextFile(folder / "calls");
   CHECK(runProgram(line, environment).code == 0);
-  CHECK_THAT(readTextFile(folder / "calls").substr(before.size()), !Contains("feature_extractor") && Contains("mapper"));
+  CHECK_THAT(readTextFile(folder / "calls").substr(before.size()),
+             !Contains("feature_extractor") && Contains("mapper"));
 
   const auto missing = runProgram({"build", set.photographs, "-o", folder / "other", "--colmap", "no-such-colmap"});
   CHECK(missing.code == 2);

@@ -34,8 +34,8 @@ TEST_CASE("what is left out is scored as if it had been excluded by hand") {
   test::TemporaryFolder folder;
   const fs::path photographs = folder / "row", work = folder / "work", pictures = folder / "left-out";
   test::makeRow(photographs);
-  const std::vector<std::string> line{"eval", "--leave-one-out", photographs, "--every", "2", "--work",
-                                      work,   "-o",              pictures,    "--json",  "-"};
+  const std::vector<std::string> line{"eval", "--leave-one-out", photographs, "--every", "2", "--work", work,
+                                      "-o",   pictures,          "--json",    "-"};
   const auto outcome = runProgram(line);
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
@@ -99,8 +99,8 @@ TEST_CASE("leaving out goes on where it was stopped") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   test::makeRow(folder / "row");
-  const std::vector<std::string> line{"eval",      "--leave-one-out", folder / "row", "--every", "2", "--work",
-                                      folder / "w", "--tiers",         "0",            "--json",  "-"};
+  const std::vector<std::string> line{
+      "eval", "--leave-one-out", folder / "row", "--every", "2", "--work", folder / "w", "--tiers", "0", "--json", "-"};
   const auto stopped =
       runProgram(line, {.interruptWhen = [](const std::string& err) { return Contains("out: 30 %").match(err); }});
   INFO(stopped.err);
@@ -124,7 +124,8 @@ TEST_CASE("a photograph that leaves no cell is reported, and the others are scor
   text.replace(begin, end - begin, "3 0 0 0 1 0.6 0 0 3");
   writeFile(images, text);
   const auto leaveOut = [&](std::vector<std::string> excluded) {
-    std::vector<std::string> line{"eval", "--leave-one-out", photographs, "--json", folder / "report.json", "--exclude"};
+    std::vector<std::string> line{"eval",   "--leave-one-out",      photographs,
+                                  "--json", folder / "report.json", "--exclude"};
     line.insert(line.end(), excluded.begin(), excluded.end());
     const auto outcome = runProgram(line);
     INFO(outcome.err);

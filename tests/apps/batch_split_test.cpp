@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr split` as a user calls it.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"

@@ -55,7 +55,8 @@ std::map<std::string, std::string> drawnBelow(const fs::path& folder) {
   for (auto& [unused, png] : files)
     for (std::size_t at = 8; at + 12 <= png.size();) {  // after the signature: size, type, data, checksum
       std::size_t size = 12;
-      for (int i = 0; i < 4; ++i) size += std::size_t(static_cast<unsigned char>(png[at + std::size_t(i)])) << (24 - 8 * i);
+      for (int i = 0; i < 4; ++i)
+        size += std::size_t(static_cast<unsigned char>(png[at + std::size_t(i)])) << (24 - 8 * i);
       if (png.compare(at + 4, 4, "tEXt") == 0)
         png.erase(at, size);
       else

@@ -114,9 +114,9 @@ TEST_CASE("render takes transforms.json") {
   writeFile(folder / "transforms.json", json.dump());
   REQUIRE(runValidated({"render", test::tinyScene(), "--poses", folder / "transforms.json", "-o", folder / "a"}).code ==
           0);
-  REQUIRE(runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse", "-o",
-                        folder / "b"})
-              .code == 0);
+  REQUIRE(
+      runValidated({"render", test::tinyScene(), "--poses", test::tinySet().photographs / "sparse", "-o", folder / "b"})
+          .code == 0);
   for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
     INFO(name);
     CHECK(readFile(folder / "a" / name) == readFile(folder / "b" / name));

@@ -17,7 +17,8 @@ namespace {
 
 Scene sceneOf(const std::vector<Camera>& cameras) {
   Scene scene;
-  for (std::size_t i = 0; i < cameras.size(); ++i) scene.nodes.push_back({fmt::format("{}.jpg", i), cameras[i], {}, {}});
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    scene.nodes.push_back({fmt::format("{}.jpg", i), cameras[i], {}, {}});
   return scene;
 }
 
@@ -67,10 +68,12 @@ TEST_CASE("cameras, cells and unused photographs are all drawn, and texts are es
   scene.cells[1].members = {0, 1, 2};
   scene.cells[2].members = {0, 1, 2, 3};
   for (std::size_t c = 0; c < 3; ++c) scene.cells[c].quality.score = 0.1 * double(c + 1);
-  scene.unused = {{scene.nodes[4].name, "its axis is 47° from that of any photograph from another place, more than 26°"},
-                  {"file.jpg", "not registered\x01"}};
+  scene.unused = {
+      {scene.nodes[4].name, "its axis is 47° from that of any photograph from another place, more than 26°"},
+      {"file.jpg", "not registered\x01"}};
   const std::string svg = graphSvg(scene);
-  CHECK_THAT(svg, Contains("<svg xmlns") && Contains("5 photographs") && Contains("1 lines, 1 triangles, 1 tetrahedra"));
+  CHECK_THAT(svg,
+             Contains("<svg xmlns") && Contains("5 photographs") && Contains("1 lines, 1 triangles, 1 tetrahedra"));
   CHECK_THAT(svg, Contains("&lt;last&gt; &amp; &quot;least&quot;.jpg") && Contains("47°") && Contains("2 unused"));
   CHECK_THAT(svg, Contains("0.30"));  // the best score
   CHECK(svg.find("<last>") == std::string::npos);

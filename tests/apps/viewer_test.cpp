@@ -15,6 +15,7 @@
 #include "support/temporary_folder.h"
 #include "tiny_scene.h"
 #include "virtual_display.h"
+#include "x11_window.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -26,19 +27,20 @@ using test::xdotool;
 
 namespace {
 
-test::Outcome view(std::vector<std::string> arguments) {
+test::Outcome view(std::vector<std::string> arguments, std::vector<std::string> environment = {}) {
   for (const char* word : {"--forget", "--validation", "--json", "-"}) arguments.emplace_back(word);
-  const auto outcome = test::runProgram(arguments, {.program = IBR_VIEWER});
+  const auto outcome = test::runProgram(arguments, {.program = IBR_VIEWER, .environment = std::move(environment)});
   CHECK_THAT(outcome.err, !Contains("Vulkan validation"));
   return outcome;
 }
 
 // What a person did, and what the viewer says about it when it has closed.
-json whileViewing(std::vector<std::string> arguments, const std::function<void(const std::string& window)>& act) {
+json whileViewing(std::vector<std::string> arguments, const std::function<void(const std::string& window)>& act,
+                  std::vector<std::string> environment = {}) {
   test::Outcome outcome;
   {
     const Hands hands(act);
-    outcome = view(std::move(arguments));
+    outcome = view(std::move(arguments), std::move(environment));
   }
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
@@ -61,6 +63,28 @@ void hold(const char* key, double seconds) {
   xdotool({"keydown", key});
   sleepFor(seconds);
   xdotool({"keyup", key});
+}
+
+// Whether it comes about before long.
+bool comes(const std::function<bool()>& what) {
+  for (int tries = 0; tries < 600; ++tries, sleepFor(0.1))
+    if (what()) return true;
+  return false;
+}
+
+// Two keys of a path, and a picture from the first.
+void recordPath() {
+  xdotool({"key", "k"});
+  xdotool({"key", "p"});
+  sleepFor(1);
+  hold("w", 0.4);
+  sleepFor(0.8);
+  xdotool({"key", "k"});
+  sleepFor(0.2);
+}
+
+bool hasFfmpeg() {
+  return std::system("command -v ffmpeg >/dev/null && command -v ffprobe >/dev/null") == 0;
 }
 
 }  // namespace
@@ -219,6 +243,56 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
   CHECK(readFile(shot) == readFile(folder / "view_0001.png"));
 }
 
+TEST_CASE("a camera path becomes a video, drawn with the view's very settings") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const fs::path pictures = folder / "out/path_0001", video = folder / "out/path_0001.mp4";
+  const auto framesIn = [&](const json& path) {
+    const double seconds = path["keys"].back()["time"].get<double>() - path["keys"][0]["time"].get<double>();
+    return std::size_t(std::floor(seconds * path["fps"].get<double>() + 1e-6)) + 1;
+  };
+  const auto picturesThere = [&] {
+    return fs::exists(pictures) ? std::size_t(std::distance(fs::directory_iterator(pictures), {})) : 0;
+  };
+
+  SECTION("where there is ffmpeg") {
+    if (!hasFfmpeg()) return;
+    const json report = whileViewing({test::tinyScene(), "--size", "321x240", "--screenshots", folder / "out",
+                                      "--preset", "accurate", "--cells", "1", "--blend", "mixed", "--switch", "0"},
+                                     [&](const std::string&) {
+                                       recordPath();
+                                       xdotool({"key", "ctrl+m"});
+                                       comes([&] { return fs::exists(video); });
+                                     });
+    CHECK(report["warnings"].empty());
+    const json path = json::parse(readTextFile(folder / "out/path_0001.json"));
+    CHECK(path["size"] == json::array({321, 240}));
+    CHECK(picturesThere() == framesIn(path));
+    CHECK(readFile(pictures / "frame_0000.png") == readFile(folder / "out/view_0001.png"));
+    REQUIRE(fs::exists(video));
+    CHECK(std::system(("test $(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 '" +
+                       video.string() + "') = " + std::to_string(framesIn(path)))
+                          .c_str()) == 0);
+  }
+  SECTION("where there is none the pictures stay, and that is said") {
+    const json report =
+        whileViewing({test::tinyScene(), "--size", "320x240", "--screenshots", folder / "out"},
+                     [&](const std::string&) {
+                       recordPath();
+                       xdotool({"key", "ctrl+m"});
+                       comes([&] {
+                         return fs::exists(folder / "out/path_0001.json") &&
+                                picturesThere() == framesIn(json::parse(readTextFile(folder / "out/path_0001.json")));
+                       });
+                       sleepFor(2);
+                     },
+                     {"PATH=/nowhere"});
+    CHECK(picturesThere() == framesIn(json::parse(readTextFile(folder / "out/path_0001.json"))));
+    CHECK(!fs::exists(video));
+    CHECK_THAT(report["said"].dump(), Contains(pictures.string()) && Contains("ffmpeg"));
+  }
+}
+
 TEST_CASE("a shader that is edited shows at once, a broken one shows what the compiler says") {
   if (!canView()) return;
   test::TemporaryFolder folder;
@@ -275,6 +349,34 @@ TEST_CASE("a picture that cannot be written is said, and the window stays") {
                                    });
   CHECK(report["places"].size() == 1);
   CHECK(report["warnings"].size() == 2);
+}
+
+TEST_CASE("pictures go into the user's folder for them") {
+  if (!canView()) return;
+  test::TemporaryFolder home;
+  const std::vector<std::string> environment{"HOME=" + home.path().string(), "XDG_CONFIG_HOME="};
+  const auto folderToldIn = [&](const test::RunOptions& options) {
+    const std::string help = test::runProgram({"--help"}, options).out;
+    const std::size_t from = help.find("camera paths and videos");
+    return help.substr(from, help.find(']', from) - from);
+  };
+  const test::RunOptions options{.program = IBR_VIEWER, .environment = environment};
+  CHECK_THAT(folderToldIn(options), Contains(fs::current_path().string()));  // there is no such folder
+  fs::create_directories(home / "Pictures");
+  CHECK_THAT(folderToldIn(options), Contains((home / "Pictures/ibr").string()));
+  fs::create_directories(home / "Meine Bilder");
+  fs::create_directories(home / ".config");
+  writeFile(home / ".config/user-dirs.dirs",
+            "# comment\nXDG_DESKTOP_DIR=\"$HOME/\"\nXDG_PICTURES_DIR=\"$HOME/Meine Bilder\"\n");
+  const auto report = whileViewing(
+      {test::tinyScene(), "--size", "320x240"},
+      [](const std::string&) {
+        xdotool({"key", "p"});
+        sleepFor(1);
+      },
+      environment);
+  CHECK(fs::exists(home / "Meine Bilder/ibr/view_0001.png"));
+  CHECK_THAT(report["said"].dump(), Contains((home / "Meine Bilder/ibr/view_0001.png").string()));
 }
 
 TEST_CASE("a bounded view stays near the photographs") {
@@ -337,6 +439,56 @@ TEST_CASE("a device that is lost is made anew, and everything with it") {
   CHECK(outcome.code == 0);
   CHECK_THAT(outcome.err, Contains("lost"));
   CHECK(readFile(folder / "lost.png") == readFile(folder / "kept.png"));
+}
+
+TEST_CASE("the window shows the picture's very values, whatever its format") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const auto seen = [&](const char* name, std::vector<std::string> more) {
+    std::vector<std::string> arguments{test::tinyScene(), "--size", "320x240", "--screenshot", folder / name};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Image8 pixels;
+    whileViewing(arguments, [&](const std::string& window) {
+      sleepFor(1.5);
+      pixels = test::pixelsOf(window);
+    });
+    return pixels;
+  };
+  const Image8 bare = seen("bare.png", {"--no-interface"});
+  const Image8 srgb = seen("srgb.png", {"--no-interface", "--only-srgb"});
+  CHECK(bare.values == readImage(folder / "bare.png").values);
+  CHECK(srgb.values == bare.values);
+  CHECK(readFile(folder / "srgb.png") == readFile(folder / "bare.png"));
+  // The interface too, where nothing moves: the panel's texts lie over the picture.
+  const Image8 with = seen("with.png", {}), withSrgb = seen("with_srgb.png", {"--only-srgb"});
+  CHECK(with.values == withSrgb.values);
+  CHECK(with.values != readImage(folder / "with.png").values);
+}
+
+TEST_CASE("a window's surface that is lost is made anew") {
+  if (!canView()) return;
+  Image8 pixels;
+  test::TemporaryFolder folder;
+  whileViewing({test::tinyScene(), "--size", "320x240", "--no-interface", "--lose-surface", "3", "--screenshot",
+                folder / "shot.png"},
+               [&](const std::string& window) {
+                 xdotool({"key", "bracketright"});  // frames go on
+                 sleepFor(2);
+                 pixels = test::pixelsOf(window);
+               });
+  CHECK(pixels.values == readImage(folder / "shot.png").values);
+}
+
+TEST_CASE("a folder that is dropped on the window is opened") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  fs::copy(test::tinyScene(), folder / "a scene", fs::copy_options::recursive);
+  const json report = whileViewing({"--size", "320x240"}, [&](const std::string& window) {
+    test::dropOnto(window, {folder / "a scene", test::tinyScene()});
+    sleepFor(1.5);
+  });
+  REQUIRE(report["places"].size() == 2);
+  CHECK(report["places"][0]["place"] == (folder / "a scene").string());
 }
 
 TEST_CASE("a folder of photographs becomes a scene beside the viewer") {

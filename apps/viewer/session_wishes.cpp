@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What keys and panels ask for, between two frames.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "shared/view_text.h"
+#include "viewer/job_plans.h"
+#include "viewer/screenshot.h"
+#include "viewer/session.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+
+void Session::grantWishes() {
+  Place* place = viewer_.place();
+  const auto wished = [](bool& wish) { return std::exchange(wish, false); };
+  const bool copies = wished(viewer_.wantsCopy), pastes = wished(viewer_.wantsPaste);
+  const bool saves = wished(viewer_.wantsRoute), films = wished(viewer_.wantsVideo);
+  const bool shoots = wished(viewer_.wantsScreenshot);
+  // A folder that cannot be written is no reason to end.
+  try {
+    if (copies && place) window_.setClipboard(viewText({place->walk.pose, place->walk.fovY, place->walk.up}));
+    if (pastes) paste();
+    if (saves) saveRoute();
+    if (films) makeVideo();
+    if (shoots) takeScreenshot(freeFile(fs::absolute(options_.screenshots), "view", ".png"));
+  } catch (const Error& e) {
+    if (e.code() == ErrorCode::deviceLost) throw;
+    viewer_.say(LogLevel::error, e.what());
+  }
+  if (pastes || saves || films || shoots) redraws_ = 3;
+}
+
+void Session::paste() {
+  Place* place = viewer_.place();
+  if (!place) return;
+  try {
+    const TextView view = viewOf(window_.clipboard());
+    flyTo(place->walk, view.pose, view.fovY, 0);
+    place->changed = true;
+  } catch (const Error& e) {
+    viewer_.say(LogLevel::warning, std::string("The clipboard holds no view: ") + e.what());
+  }
+}
+
+fs::path Session::saveRoute() {
+  Place* place = viewer_.place();
+  if (!place || place->route.keys.empty()) {
+    viewer_.show("There is no path yet: K puts a key of it where the view is");
+    return {};
+  }
+  place->route.width = int(picture_->target().extent.width);
+  place->route.height = int(picture_->target().extent.height);
+  const fs::path file = freeFile(fs::absolute(options_.screenshots), "path", ".json");
+  makeFolders(file.parent_path());
+  writeCameraPath(file, place->route);
+  viewer_.show(fmt::format("{} written", file.string()));
+  return file;
+}
+
+void Session::makeVideo() {
+  const fs::path route = saveRoute();
+  if (route.empty()) return;
+  viewer_.jobs.push_back(std::make_unique<Job>(videoPlan(*viewer_.place(), route, options_.gpuScene, options_.device)));
+}
+
+void Session::takeScreenshot(const fs::path& file) {
+  Place* place = viewer_.place();
+  check(place && picture_, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
+  vkDeviceWaitIdle(device_.handle());
+  const VkExtent2D extent = picture_->target().extent;
+  const Image8 image = drawnPlace()->picture(extent, frame_);
+  writeScreenshot(file, image, *place, extent, options_.gpuScene);
+  viewer_.show(fmt::format("{} written", file.string()));
+}
+
+}  // namespace ibr::app
