@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kKeys{
     KeyHelp{"W A S D", "move"},
     KeyHelp{"Q E", "down, up"},
-    KeyHelp{"right mouse button", "look around"},
+    KeyHelp{"right mouse button, arrows", "look around"},
     KeyHelp{"middle mouse button", "go round a harmonised model"},
     KeyHelp{"shift, alt", "faster, slower"},
     KeyHelp{"mouse wheel", "speed; with ctrl the field of view"},
@@ -34,15 +34,20 @@ constexpr std::array kKeys{
     KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},
     KeyHelp{"F1", "this help"},
     KeyHelp{"F2", "hide and show the interface"},
+    KeyHelp{"1 to 8", "pages of the side panel"},
+    KeyHelp{"F6", "keyboard into the side panel (arrows, space, enter), and back; ctrl tab: other panels"},
+    KeyHelp{"ctrl +, -, 0", "larger, smaller interface, as it was"},
     KeyHelp{"ctrl W", "close the place"},
     KeyHelp{"ctrl Q", "quit"},
 };
 
-double down(int key) {
-  return ImGui::IsKeyDown(key) ? 1.0 : 0.0;
+// Walking stops while keys go through a panel; one that was only clicked leaves them to the view.
+bool panelTakesKeys(const Viewer& viewer) {
+  const ImGuiIO& io = ImGui::GetIO();
+  return io.WantTextInput || io.NavVisible || viewer.panelHasKeys;
 }
 
-NavigationInput handsOf(Place& place, double seconds) {
+NavigationInput handsOf(const Viewer& viewer, Place& place, double seconds) {
   const ImGuiIO& io = ImGui::GetIO();
   NavigationInput hands{.seconds = seconds, .fast = io.KeyShift, .slow = io.KeyAlt};
   const glm::dvec2 pulled(double(io.MouseDelta.x), double(io.MouseDelta.y));
@@ -56,9 +61,15 @@ NavigationInput handsOf(Place& place, double seconds) {
     place.walk.fovY = std::clamp(place.walk.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
   else if (!io.WantCaptureMouse)
     hands.wheel = double(io.MouseWheel);
-  if (!io.WantTextInput && !io.KeyCtrl)
-    hands.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
-                  down(GLFW_KEY_S) - down(GLFW_KEY_W)};
+  if (io.KeyCtrl || panelTakesKeys(viewer)) return hands;
+  const auto down = [&](int key) { return ImGui::IsKeyDown(key) && !viewer.shortcutKeys.contains(key) ? 1.0 : 0.0; };
+  // Arrows walk through a panel as soon as it has been clicked.
+  constexpr double kArrow = 400;  // px/s
+  if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow))
+    hands.look += kArrow * seconds *
+                  glm::dvec2(down(GLFW_KEY_RIGHT) - down(GLFW_KEY_LEFT), down(GLFW_KEY_DOWN) - down(GLFW_KEY_UP));
+  hands.move = {down(GLFW_KEY_D) - down(GLFW_KEY_A), down(GLFW_KEY_E) - down(GLFW_KEY_Q),
+                down(GLFW_KEY_S) - down(GLFW_KEY_W)};
   return hands;
 }
 
@@ -102,22 +113,63 @@ void pressInPlace(Viewer& viewer, Place& place, int key) {
   }
 }
 
+void pressWithControl(Viewer& viewer, int key) {
+  constexpr float kStep = 1.25f;
+  const std::size_t n = viewer.places.size();
+  switch (key) {
+    case GLFW_KEY_W:
+      return viewer.closeCurrent();
+    case GLFW_KEY_S:
+      viewer.wantsRoute = true;
+      return;
+    case GLFW_KEY_M:
+      viewer.wantsVideo = true;
+      return;
+    case GLFW_KEY_C:
+      viewer.wantsCopy = true;
+      return;
+    case GLFW_KEY_V:
+      viewer.wantsPaste = true;
+      return;
+    case GLFW_KEY_PAGE_DOWN:
+      if (n > 0) viewer.current = (viewer.current + 1) % n;
+      return;
+    case GLFW_KEY_PAGE_UP:
+      if (n > 0) viewer.current = (viewer.current + n - 1) % n;
+      return;
+    case GLFW_KEY_TAB:  // ImGui goes through its windows
+      viewer.panelHasKeys = true;
+      return;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      viewer.interfaceScale = std::min(viewer.interfaceScale * kStep, 3.0f);
+      return;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      viewer.interfaceScale = std::max(viewer.interfaceScale / kStep, 0.5f);
+      return;
+    case GLFW_KEY_0:
+    case GLFW_KEY_KP_0:
+      viewer.interfaceScale = 1;
+      return;
+    default:
+      return;
+  }
+}
+
 void pressOne(Viewer& viewer, const KeyPress& press) {
+  if (press.control) viewer.shortcutKeys.insert(press.place);
   if (press.key == GLFW_KEY_F1) viewer.showHelp = !viewer.showHelp;
   if (press.key == GLFW_KEY_F2) viewer.showInterface = !viewer.showInterface;
-  if (press.control) {
-    const std::size_t n = viewer.places.size();
-    if (press.key == GLFW_KEY_Q) viewer.wantsClose = true;
-    if (press.key == GLFW_KEY_W) viewer.closeCurrent();
-    if (press.key == GLFW_KEY_S) viewer.wantsRoute = true;
-    if (press.key == GLFW_KEY_M) viewer.wantsVideo = true;
-    if (press.key == GLFW_KEY_C) viewer.wantsCopy = true;
-    if (press.key == GLFW_KEY_V) viewer.wantsPaste = true;
-    if (press.key == GLFW_KEY_PAGE_DOWN && n > 0) viewer.current = (viewer.current + 1) % n;
-    if (press.key == GLFW_KEY_PAGE_UP && n > 0) viewer.current = (viewer.current + n - 1) % n;
-    return;
-  }
+  if (press.key == GLFW_KEY_F6) viewer.wantsPanelKeys = viewer.showInterface = true;
+  if (press.control && press.key == GLFW_KEY_Q) viewer.wantsClose = true;
   if (ImGui::GetIO().WantTextInput) return;
+  if (press.control) return pressWithControl(viewer, press.key);
+  if (panelTakesKeys(viewer)) return;
+  if (press.key >= GLFW_KEY_1 && press.key <= GLFW_KEY_9) {
+    viewer.shownPanel = std::size_t(press.key - GLFW_KEY_1);
+    viewer.showInterface = true;
+  }
   if (Place* place = viewer.place()) pressInPlace(viewer, *place, press.key);
 }
 
@@ -128,13 +180,15 @@ std::span<const KeyHelp> keyHelp() {
 }
 
 void press(Viewer& viewer, std::span<const KeyPress> keys) {
+  std::erase_if(viewer.shortcutKeys, [](int key) { return !ImGui::IsKeyDown(key); });
   for (const KeyPress& key : keys) pressOne(viewer, key);
 }
 
-bool control(Place& place, double seconds) {
+bool control(Viewer& viewer, Place& place, double seconds) {
   const Pose before = place.walk.pose;
   const double fovBefore = place.walk.fovY;
-  const NavigationInput hands = handsOf(place, seconds);
+  const NavigationInput hands = handsOf(viewer, place, seconds);
+  if (!ImGui::GetIO().WantCaptureMouse && ImGui::IsAnyMouseDown()) ImGui::SetWindowFocus(nullptr);
   bool goesOn = navigate(place.walk, hands, place.bounded ? &place.bounds : nullptr);
   if (place.showingRoute && !handsMove(hands)) {
     const CameraKey& last = place.route.keys.back();

@@ -10,9 +10,10 @@
 namespace ibr::app {
 
 /// Between ImGui's new frame and the picture. `seconds` since the frame before. Says whether the picture changes.
-bool control(Place& place, double seconds);
+bool control(Viewer& viewer, Place& place, double seconds);
 
-/// Between ImGui's new frame and `control`: what each key that was pressed means, none of them while text is typed.
+/// Between ImGui's new frame and `control`: what each key that was pressed means. While text is typed, or a panel has
+/// the keyboard, most are its.
 void press(Viewer& viewer, std::span<const KeyPress> keys);
 
 /// A line for each key, for the help.

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/check.h"
 #include "gpu/submit.h"
@@ -15,24 +16,34 @@ namespace fs = std::filesystem;
 
 namespace ibr::app {
 
-Interface::Interface(const Window& window, const fs::path& layout) : layout_(layout.string()) {
+Interface::Interface(const Window& window, const fs::path& layout) : layout_(layout.string()), window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = layout_.empty() ? nullptr : layout_.c_str();
   io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
-  ImGui::StyleColorsDark();
-  ImGuiStyle& style = ImGui::GetStyle();
+  ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+}
+
+bool Interface::setScale(float scale) {
+  if (std::exchange(scale_, scale) == scale) return false;
+  // ImGui counts in the window's units, which may be larger than pixels.
+  const float unit = window_.pixelsPerUnit();
+  ImGuiStyle style;
+  ImGui::StyleColorsDark(&style);
   style.WindowRounding = 4;
   style.FrameRounding = 3;
   style.Colors[ImGuiCol_WindowBg].w = 0.85f;
-  const float scale = window.scale();
-  style.ScaleAllSizes(scale);
+  style.ScaleAllSizes(scale / unit);
+  ImGui::GetStyle() = style;
+  ImGuiIO& io = ImGui::GetIO();
   ImFontConfig font;
   font.SizePixels = std::round(13 * scale);
+  io.Fonts->Clear();
   io.Fonts->AddFontDefault(&font);
-  ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+  io.FontGlobalScale = 1 / unit;
+  return true;
 }
 
 Interface::~Interface() {

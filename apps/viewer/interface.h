@@ -20,8 +20,14 @@ class Interface {
   Interface& operator=(const Interface&) = delete;
   ~Interface();
 
+  /// Everything is drawn so much larger than at 96 dpi, letters from their outlines. Between frames of ImGui. Says
+  /// whether that is new: then a drawer that is there has the wrong letters.
+  bool setScale(float scale);
+
  private:
   std::string layout_;
+  const Window& window_;
+  float scale_ = 0;
 };
 
 class InterfaceDrawer {

@@ -11,6 +11,7 @@
 #include "ibr/error.h"
 #include "shared/context.h"
 #include "shared/exit_code.h"
+#include "shared/htm_settings.h"
 #include "shared/options.h"
 #include "shared/settings.h"
 #include "viewer/folders.h"
@@ -44,6 +45,11 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--screenshots", o.screenshots,
                  fmt::format("Folder for pictures, camera paths and videos [{}]", o.screenshots))
       ->type_name("DIR");
+  app.add_option_function<std::string>(
+         "--interface-scale",
+         [&o](const std::string& text) { o.session.interfaceScale = parsedDouble("--interface-scale", text, 0.5, 8); },
+         "Panels and letters so much larger than at 96 dpi [as the monitor asks for]")
+      ->type_name("X");
   app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
   app.add_flag("--forget", o.forget,
                "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
@@ -61,12 +67,12 @@ void declare(CLI::App& app, Options& o) {
 }
 
 // The device may be lost and come back, as after a driver's reset; one that is lost again and again is not there.
-void showPlaces(Window& window, Viewer& viewer, const SessionOptions& options) {
+void showPlaces(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options) {
   using Clock = std::chrono::steady_clock;
   int losses = 0;
   for (auto begun = Clock::now();; begun = Clock::now()) {
     try {
-      Session session(window, viewer, options);
+      Session session(window, interface, viewer, options);
       session.run();
       if (session.validationMessages() > 0)
         fail(ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages", session.validationMessages());
@@ -89,7 +95,9 @@ std::string report(const Viewer& viewer, const Window& window) {
                       {"photographs", place->viewpoints.size()},
                       {"position", {p.x, p.y, p.z}},
                       {"rotation", {q.x, q.y, q.z, q.w}},
-                      {"fovY", place->walk.fovY}});
+                      {"fovY", place->walk.fovY},
+                      {"settings", place->scene ? pictureSettingsJson(place->settings, {}, 0)
+                                                : htmSettingsJson(place->htmSettings, false)}});
   }
   const VkExtent2D size = window.pixels();
   Json warnings = Json::array(), said = Json::array();
@@ -130,13 +138,13 @@ ExitCode run(int argc, char** argv) {
   Window window("ibr", o.size.width, o.size.height);
   const fs::path settings = o.forget ? fs::path() : settingsFolder(), cache = o.forget ? fs::path() : cacheFolder();
   if (!cache.empty()) o.session.pipelineCache = cache / "pipelines.bin";
-  const Interface interface(window, settings.empty() ? fs::path() : settings / "viewer.ini");
+  Interface interface(window, settings.empty() ? fs::path() : settings / "viewer.ini");
   Viewer viewer;
   viewer.mirror = context.log();
   viewer.first = o.settings;
   viewer.showInterface = !o.bare;
   for (const std::string& path : o.places) viewer.open(path);
-  showPlaces(window, viewer, o.session);
+  showPlaces(window, interface, viewer, o.session);
   context.report(report(viewer, window));
   return viewer.failed && viewer.places.empty() ? kExitRunTime : kExitOk;
 }

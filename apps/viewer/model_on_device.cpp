@@ -43,9 +43,12 @@ class ModelOnDevice final : public PlaceOnDevice {
     *renderer_ = std::move(fresh);
   }
 
-  std::vector<std::pair<std::string, std::uint64_t>> memory() const override {
+  std::vector<MemoryClass> memory() const override {
     const GpuHtmModel::Memory m = gpuModel_->memory();
-    return {{"photographs", m.photographs}, {"mesh", m.mesh}, {"complements", m.complements}, {"depths", m.depths}};
+    return {{"photographs", m.photographs, false},
+            {"mesh", m.mesh, false},
+            {"complements", m.complements, false},
+            {"depths", m.depths, false}};
   }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells in order, times, memory, log.
+// Cells in order, log.
 #include <imgui.h>
 
 #include <algorithm>
@@ -55,40 +55,6 @@ void showCells(PanelInput& input) {
     ImGui::TextUnformatted(names.c_str());
   }
   ImGui::EndTable();
-}
-
-void showTimes(PanelInput& input) {
-  const Viewer& viewer = input.viewer;
-  const auto n = viewer.frameMilliseconds.size();
-  const auto at = int(viewer.frames % n);
-  ImGui::PlotLines("##frames", viewer.frameMilliseconds.data(), int(n), at, "from frame to frame, ms", 0, FLT_MAX,
-                   {-1, 6 * ImGui::GetFontSize()});
-  const float last = viewer.frameMilliseconds[(viewer.frames + n - 1) % n];
-  ImGui::Text("%.1f ms, %.0f a second; drawn only while something moves", double(last),
-              last > 0 ? 1000.0 / double(last) : 0);
-  ImGui::Separator();
-  ImGui::TextUnformatted("on the device, ms:");
-  float most = 1e-3f;
-  for (const ScopeTime& scope : viewer.deviceTimes) most = std::max(most, float(scope.milliseconds));
-  for (const ScopeTime& scope : viewer.deviceTimes) {
-    ImGui::Indent(float(scope.depth) * ImGui::GetFontSize() + 0.01f);
-    ImGui::ProgressBar(float(scope.milliseconds) / most, {8 * ImGui::GetFontSize(), 0}, "");
-    ImGui::SameLine();
-    ImGui::Text("%8.3f  %s", scope.milliseconds, scope.name.c_str());
-    ImGui::Unindent(float(scope.depth) * ImGui::GetFontSize() + 0.01f);
-  }
-  ImGui::TextDisabled("%s", input.device.c_str());
-}
-
-void showMemory(PanelInput& input) {
-  std::uint64_t sum = 0;
-  for (const auto& [name, bytes] : input.memory) sum += bytes;
-  for (const auto& [name, bytes] : input.memory) {
-    ImGui::ProgressBar(sum > 0 ? float(double(bytes) / double(sum)) : 0, {8 * ImGui::GetFontSize(), 0}, "");
-    ImGui::SameLine();
-    ImGui::Text("%8.1f MiB  %s", double(bytes) / (1 << 20), name.c_str());
-  }
-  ImGui::Text("%.1f MiB on the device", double(sum) / (1 << 20));
 }
 
 void showLog(PanelInput& input) {

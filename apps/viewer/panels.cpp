@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "viewer/controls.h"
 
 namespace ibr::app {
 namespace {
+
+constexpr const char* kSidePanel = "ibr";
 
 struct Tab {
   const char* name;
@@ -44,38 +47,69 @@ void showPlaces(PanelInput& input) {
   }
 }
 
+// All names at any width: as many in a row as there is room for.
+void chooseTab(std::size_t& shown) {
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  const ImGuiStyle& style = ImGui::GetStyle();
+  for (std::size_t i = 0; i < kTabs.size(); ++i) {
+    const float width = ImGui::CalcTextSize(kTabs[i].name).x + 2 * style.FramePadding.x;
+    if (i > 0 && ImGui::GetItemRectMax().x + style.ItemInnerSpacing.x + width <= right)
+      ImGui::SameLine(0, style.ItemInnerSpacing.x);
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(i == shown ? ImGuiCol_TabActive : ImGuiCol_Tab));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_TabHovered));
+    if (ImGui::Button(kTabs[i].name)) shown = i;
+    ImGui::PopStyleColor(2);
+    if (i == shown) ImGui::SetItemDefaultFocus();  // where keys begin
+  }
+  ImGui::Separator();
+}
+
+// Who asks for the keyboard gets it; a mouse that was used elsewhere has taken it back.
+void giveKeys(Viewer& viewer, const char* panel) {
+  const bool focused = ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow);
+  if (std::exchange(viewer.wantsPanelKeys, false)) {
+    viewer.panelHasKeys = !(focused && (viewer.panelHasKeys || ImGui::GetIO().NavVisible));
+    ImGui::SetWindowFocus(viewer.panelHasKeys ? panel : nullptr);
+  }
+  if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui begins with the keyboard in some panel
+  if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
+}
+
 void showSidePanel(PanelInput& input) {
+  Viewer& viewer = input.viewer;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float width = std::min(26 * ImGui::GetFontSize(), 0.5f * size.x);
-  ImGui::SetNextWindowPos({size.x - width - 10, 10}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, ImGuiCond_FirstUseEver);
-  if (ImGui::Begin("ibr", nullptr, ImGuiWindowFlags_NoCollapse)) {
-    const Place* place = input.viewer.place();
+  const ImGuiCond when =
+      std::exchange(viewer.layOut, false) && viewer.frames > 1 ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+  ImGui::SetNextWindowPos({size.x - width - 10, 10}, when);
+  ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, when);
+  if (ImGui::Begin(kSidePanel, nullptr, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    const Place* place = viewer.place();
     showPlaces(input);
     // What is known of the frame before is of that place.
-    if (input.viewer.place() == place && ImGui::BeginTabBar("tabs")) {
-      for (const Tab& tab : kTabs)
-        if (ImGui::BeginTabItem(tab.name)) {
-          tab.show(input);
-          ImGui::EndTabItem();
-        }
-      ImGui::EndTabBar();
+    if (viewer.place() == place) {
+      viewer.shownPanel = std::min(viewer.shownPanel, kTabs.size() - 1);
+      chooseTab(viewer.shownPanel);
+      ImGui::PushID(int(viewer.shownPanel));
+      kTabs[viewer.shownPanel].show(input);
+      ImGui::PopID();
     }
   }
   ImGui::End();
 }
 
-void beginCard(const char* name, ImVec2 at, ImVec2 pivot) {
+void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys = ImGuiWindowFlags_NoNav) {
   ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
   ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
+               keys | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoMove);
 }
 
 }  // namespace
 
 void showAll(PanelInput& input) {
   Viewer& viewer = input.viewer;
+  giveKeys(viewer, kSidePanel);
   if (viewer.showInterface) {
     if (viewer.place()) {
       showSidePanel(input);
@@ -125,7 +159,8 @@ void showMessage(PanelInput& input) {
   if (!still) viewer.message.clear();
   if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1});
+  beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1},
+            viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
   for (const auto& [file, text] : viewer.shaderFaults)
@@ -150,7 +185,8 @@ void showTimeLine(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.1f * size.x, size.y - 4.5f * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({0.55f * size.x, 0}, ImGuiCond_FirstUseEver);
-  if (ImGui::Begin("time", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar)) {
+  if (ImGui::Begin("time", nullptr,
+                   ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoFocusOnAppearing)) {
     if (ImGui::Button(place.playing ? "pause" : "play ")) place.playing = !place.playing;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);

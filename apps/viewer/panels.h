@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "viewer/memory_budget.h"
+#include "viewer/place_on_device.h"
 #include "viewer/viewer.h"
 #include "viewer/window.h"
 
@@ -17,7 +19,10 @@ struct PanelInput {
   Window& window;
   std::string device;
   const FramePlan* plan = nullptr;  // of the frame before; none for harmonised models
-  std::vector<std::pair<std::string, std::uint64_t>> memory;
+  std::vector<MemoryClass> memory = {};
+  std::uint64_t sceneBudget = 0;  // --vram-budget; 0: none
+  MemoryBudget budget = {};
+  std::optional<GpuScene::Streamed> streamed = {};
 };
 
 /// Everything, in a frame of ImGui.

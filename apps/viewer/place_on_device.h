@@ -6,9 +6,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "gpu/scope.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/image.h"
 #include "viewer/place.h"
 
@@ -19,6 +22,12 @@ struct Moment {
   VkCommandBuffer commands;
   std::uint64_t frame, completed;
   double seconds;  // since the frame before
+};
+
+struct MemoryClass {
+  std::string name;
+  std::uint64_t bytes;
+  bool ofScene;  // GpuSceneOptions::budgetBytes counts it
 };
 
 class PlaceOnDevice {
@@ -41,8 +50,9 @@ class PlaceOnDevice {
 
   /// What the last frame was made of; nullptr for harmonised models.
   virtual const FramePlan* plan() const { return nullptr; }
-  /// Memory by class, bytes.
-  virtual std::vector<std::pair<std::string, std::uint64_t>> memory() const = 0;
+  virtual std::vector<MemoryClass> memory() const = 0;
+  /// Photographs of the last frame; none of harmonised models.
+  virtual std::optional<GpuScene::Streamed> streamed() const { return std::nullopt; }
 };
 
 /// The place must outlive it, and may change in the meantime as Place says. Submits uploads and waits. Throws Error.

@@ -61,13 +61,15 @@ class SceneOnDevice final : public PlaceOnDevice {
 
   const FramePlan* plan() const override { return &plan_; }
 
-  std::vector<std::pair<std::string, std::uint64_t>> memory() const override {
+  std::vector<MemoryClass> memory() const override {
     const GpuScene::Memory m = gpuScene_.memory();
-    return {{"photographs", m.textures},
-            {"vertices", m.positions},
-            {"triangles", m.indices},
-            {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0}};
+    return {{"photographs", m.textures, true},
+            {"vertices", m.positions, true},
+            {"triangles", m.indices, true},
+            {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0, false}};
   }
+
+  std::optional<GpuScene::Streamed> streamed() const override { return streamed_; }
 
  private:
   void prepare(const Target& target) {

@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/check.h"
@@ -40,13 +41,13 @@ void copyPicture(VkCommandBuffer commands, VkImage from, VkExtent2D fromExtent, 
 
 }  // namespace
 
-Session::Session(Window& window, Viewer& viewer, const SessionOptions& options)
+Session::Session(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options)
     : window_(window),
+      interface_(interface),
       viewer_(viewer),
       options_(options),
       device_(makeDevice(options, viewer)),
       swapchain_(device_, window, options.onlySrgb),
-      drawer_(device_, swapchain_),
       last_(std::chrono::steady_clock::now()) {
   if (!options.shaders.empty()) shaders_.emplace(device_, ShaderReloadOptions{.folder = options.shaders});
   for (auto& timer : timers_) timer = std::make_unique<ScopeTimer>(device_, kScopes);
@@ -66,7 +67,9 @@ double Session::pause() const {
 void Session::run() {
   int shown = 0;
   while (!window_.closing() && !viewer_.wantsClose) {
-    if (window_.handleEvents(pause())) redraws_ = 3;
+    const double rest = pause();
+    rested_ |= rest > 0;
+    if (window_.handleEvents(rest)) redraws_ = 3;
     for (const std::filesystem::path& path : window_.takeDropped()) viewer_.open(path);
     if (viewer_.takeOpened()) {
       redraws_ = 3;
@@ -160,19 +163,35 @@ void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {
   }
 }
 
+// The monitor's scale may change when the window goes to another one.
+void Session::fitInterface() {
+  const double scale = options_.interfaceScale > 0 ? options_.interfaceScale : double(window_.scale());
+  const bool isNew = interface_.setScale(float(scale) * viewer_.interfaceScale);
+  if (drawer_ && !isNew) return;
+  vkDeviceWaitIdle(device_.handle());
+  drawer_.reset();  // ImGui has one at a time
+  drawer_.emplace(device_, swapchain_);
+  viewer_.layOut |= isNew;
+  redraws_ = 3;
+}
+
 void Session::showPanels() {
-  drawer_.beginFrame();
-  PanelInput input{viewer_, window_, device_.name(), nullptr, {}};
+  drawer_->beginFrame();
+  PanelInput input{viewer_, window_, device_.name()};
+  input.sceneBudget = options_.gpuScene.budgetBytes;
+  input.budget = memoryBudget(device_);
   if (Place* place = viewer_.place())
     if (const auto found = drawn_.find(place); found != drawn_.end()) {
       input.plan = found->second->plan();
       input.memory = found->second->memory();
+      input.streamed = found->second->streamed();
     }
   showAll(input);
   ImGui::Render();
 }
 
 bool Session::draw() {
+  fitInterface();
   const std::optional<Swapchain::Frame> frame = swapchain_.begin();
   if (!frame) return false;
   const auto now = std::chrono::steady_clock::now();
@@ -183,17 +202,22 @@ bool Session::draw() {
   try {
     check(viewer_.frames != options_.loseAtFrame, ErrorCode::deviceLost, "(for a test)");
     if (viewer_.frames == options_.loseSurfaceAtFrame) swapchain_.loseSurface();
-    if (auto times = timers_[frame->slot]->read(); !times.empty()) viewer_.deviceTimes = std::move(times);
+    if (auto times = timers_[frame->slot]->read(); !times.empty()) {
+      viewer_.history.addDevice(timed_[frame->slot], times);
+      viewer_.deviceTimes = std::move(times);
+    }
     timers_[frame->slot]->reset(frame->commands);
+    timed_[frame->slot] = viewer_.frames;
+    viewer_.history.add(viewer_.frames, std::exchange(rested_, false) ? std::nanf("") : float(1e3 * seconds));
     showPanels();
     const std::size_t before = viewer_.current, places = viewer_.places.size();
     press(viewer_, window_.takeKeys());
     if (Place* place = viewer_.place())
-      if (control(*place, std::min(seconds, kLongestStep))) pictureWanted_ = true;
+      if (control(viewer_, *place, std::min(seconds, kLongestStep))) pictureWanted_ = true;
     if (viewer_.current != before || viewer_.places.size() != places) pictureWanted_ = true;
     if (pictureWanted_) redraws_ = std::max(redraws_, 1);
     recordPicture(*frame, std::min(seconds, kLongestStep));
-    drawer_.record(swapchain_, *frame);
+    drawer_->record(swapchain_, *frame);
   } catch (const Error& e) {
     swapchain_.abandon(*frame);
     --frame_;
@@ -207,7 +231,8 @@ bool Session::draw() {
     return true;
   }
   if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
-  viewer_.frameMilliseconds[viewer_.frames % viewer_.frameMilliseconds.size()] = float(1e3 * seconds);
+  const Place* shown = viewer_.place();
+  window_.setTitle(shown ? shown->name + " - ibr" : "ibr");
   grantWishes();
   return true;
 }

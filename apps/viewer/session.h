@@ -23,6 +23,7 @@ struct SessionOptions {
   std::filesystem::path pipelineCache;  // file; empty: none
   bool validation = false;
   GpuSceneOptions gpuScene;
+  double interfaceScale = 0;  // 0: that of the monitor
   // For tests: of all frames, when the device and the window's surface are as if lost, 0: never; the window is as if it
   // took no formats but sRGB.
   std::size_t loseAtFrame = 0, loseSurfaceAtFrame = 0;
@@ -35,7 +36,7 @@ struct SessionOptions {
 
 class Session {
  public:
-  Session(Window& window, Viewer& viewer, const SessionOptions& options);
+  Session(Window& window, Interface& interface, Viewer& viewer, const SessionOptions& options);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();  // waits for the device
@@ -50,6 +51,7 @@ class Session {
  private:
   double pause() const;  // how long to wait for events, s; 0: something moves
   bool draw();           // false: there is nothing to draw into now
+  void fitInterface();
   void showPanels();
   void recordPicture(const Swapchain::Frame& frame, double seconds);
   void grantWishes();
@@ -62,12 +64,14 @@ class Session {
   PlaceOnDevice* drawnPlace();
 
   Window& window_;
+  Interface& interface_;
   Viewer& viewer_;
   const SessionOptions& options_;
   Device device_;
   Swapchain swapchain_;
-  InterfaceDrawer drawer_;
+  std::optional<InterfaceDrawer> drawer_;
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
+  std::array<std::size_t, kFramesInFlight> timed_{};  // frames that they have timed
   std::optional<ShaderReloader> shaders_;
   std::map<const Place*, std::unique_ptr<PlaceOnDevice>> drawn_;
   std::unique_ptr<Offscreen> picture_;  // the place without the interface, of the window's size
@@ -75,6 +79,7 @@ class Session {
   int redraws_ = 3;                     // frames to be drawn before it may rest: the interface settles in two
   bool pictureWanted_ = true;           // the place is to be drawn anew
   std::chrono::steady_clock::time_point last_;
+  bool rested_ = true;  // since the last frame
 };
 
 }  // namespace ibr::app

@@ -2,17 +2,18 @@
 // What the viewer knows, whatever device draws it: the places that are open, what is shown of them, what was said.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <deque>
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "gpu/scope.h"
 #include "ibr/log.h"
+#include "viewer/frame_times.h"
 #include "viewer/job.h"
 #include "viewer/place.h"
 
@@ -39,10 +40,17 @@ struct Viewer {
   LogCallback mirror;    // also gets what is said
   RenderSettings first;  // of scenes when they are opened
 
-  bool showInterface = true;  // F2
-  bool showHelp = false;      // F1
+  bool showInterface = true;    // F2
+  bool showHelp = false;        // F1
+  std::size_t shownPanel = 0;   // of the side panel's
+  bool wantsPanelKeys = false;  // F6: the keyboard goes to the side panel, or back to the view
+  bool panelHasKeys = false;    // it is there
+  float interfaceScale = 1;     // of that of the monitor; ctrl +, ctrl -
+  bool layOut = false;          // panels are to take the sizes that they begin with
   bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
   bool wantsClose = false;
+  std::set<int>
+      shortcutKeys;  // places of keys pressed with ctrl that are still down: they do not fly when ctrl is let go first
   std::string message;  // for a moment, over the picture
   std::chrono::steady_clock::time_point messageUntil{};
 
@@ -50,9 +58,9 @@ struct Viewer {
 
   // Of the last frames.
   std::vector<ScopeTime> deviceTimes;
-  std::array<float, 120> frameMilliseconds{};  // ring
-  std::size_t frames = 0;                      // drawn
-  bool failed = false;                         // something could not be opened or drawn
+  FrameHistory history;
+  std::size_t frames = 0;  // drawn
+  bool failed = false;     // something could not be opened or drawn
 
   Place* place() { return current < places.size() ? places[current].get() : nullptr; }
 

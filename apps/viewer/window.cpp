@@ -43,6 +43,7 @@ Window::Window(const std::string& title, int width, int height) {
     of(w).touched_ = true;
   });
   glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { of(w).touched_ = true; });
+  glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* w, float, float) { of(w).touched_ = true; });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { of(w).touched_ = true; });
   glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { of(w).touched_ = true; });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int) { of(w).touched_ = true; });
@@ -53,10 +54,14 @@ Window::Window(const std::string& title, int width, int height) {
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int mods) {
     of(w).touched_ = true;
     if (action != GLFW_PRESS) return;
-    of(w).keys_.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
+    of(w).keys_.push_back({key, key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
     // Where a letter stands on this keyboard is another matter.
     const char* name = glfwGetKeyName(key, scancode);
-    if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) of(w).keys_.back().key = GLFW_KEY_A + (name[0] - 'a');
+    if (!name || name[1] != 0) return;
+    int& meant = of(w).keys_.back().key;
+    if (name[0] >= 'a' && name[0] <= 'z') meant = GLFW_KEY_A + (name[0] - 'a');
+    if ((mods & GLFW_MOD_CONTROL) && name[0] == '+') meant = GLFW_KEY_EQUAL;
+    if ((mods & GLFW_MOD_CONTROL) && name[0] == '-') meant = GLFW_KEY_MINUS;
   });
   glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { of(w).touched_ = true; });
 }
@@ -92,6 +97,13 @@ float Window::scale() const noexcept {
   return x > 0 ? x : 1;
 }
 
+float Window::pixelsPerUnit() const noexcept {
+  int units = 0, pixels = 0;
+  glfwGetWindowSize(window_, &units, nullptr);
+  glfwGetFramebufferSize(window_, &pixels, nullptr);
+  return units > 0 && pixels > 0 ? float(pixels) / float(units) : 1;
+}
+
 bool Window::closing() const noexcept {
   return glfwWindowShouldClose(window_);
 }
@@ -99,7 +111,7 @@ void Window::close() noexcept {
   glfwSetWindowShouldClose(window_, GLFW_TRUE);
 }
 void Window::setTitle(const std::string& title) {
-  glfwSetWindowTitle(window_, title.c_str());
+  if (std::exchange(title_, title) != title) glfwSetWindowTitle(window_, title.c_str());
 }
 
 bool Window::handleEvents(double seconds) {

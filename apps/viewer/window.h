@@ -15,6 +15,7 @@ namespace ibr::app {
 /// A key that was pressed, however briefly; GLFW's numbers. Letters are those of the user's keyboard layout.
 struct KeyPress {
   int key = 0;
+  int place = 0;  // on the keyboard: the key that has this place on an American one
   bool control = false, shift = false;
 };
 
@@ -33,8 +34,9 @@ class Window {
   /// The caller destroys it before the instance. Throws Error.
   VkSurfaceKHR makeSurface(VkInstance instance) const;
 
-  VkExtent2D pixels() const noexcept;  // 0 × 0 while it is minimised
-  float scale() const noexcept;        // of what is drawn for people, 1 at 96 dpi
+  VkExtent2D pixels() const noexcept;    // 0 × 0 while it is minimised
+  float scale() const noexcept;          // of what is drawn for people, 1 at 96 dpi; the monitor's
+  float pixelsPerUnit() const noexcept;  // 1 but where the system scales windows itself
 
   bool closing() const noexcept;
   void close() noexcept;
@@ -54,6 +56,7 @@ class Window {
 
  private:
   GLFWwindow* window_ = nullptr;
+  std::string title_;
   bool touched_ = false;
   std::vector<std::filesystem::path> dropped_;
   std::vector<KeyPress> keys_;

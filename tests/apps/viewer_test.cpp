@@ -34,12 +34,39 @@ test::Outcome view(std::vector<std::string> arguments, std::vector<std::string> 
   return outcome;
 }
 
+// Whether it comes about before long.
+bool comes(const std::function<bool()>& what) {
+  for (int tries = 0; tries < 600; ++tries, sleepFor(0.1))
+    if (what()) return true;
+  return false;
+}
+
+// The last place is on the screen, as the title says.
+void waitForPlace(const std::string& window) {
+  comes([&] { return xdotool({"getwindowname", window}).find(" - ibr") != std::string::npos; });
+}
+
+// The window's pixels, once nothing moves in it.
+Image8 settledPixels(const std::string& window) {
+  Image8 pixels, before;
+  comes([&] {
+    before = std::exchange(pixels, test::pixelsOf(window));
+    sleepFor(0.4);
+    return pixels.values == before.values;
+  });
+  return pixels;
+}
+
 // What a person did, and what the viewer says about it when it has closed.
 json whileViewing(std::vector<std::string> arguments, const std::function<void(const std::string& window)>& act,
                   std::vector<std::string> environment = {}) {
   test::Outcome outcome;
   {
-    const Hands hands(act);
+    const bool opens = fs::exists(fs::path(arguments[0]) / "scene.gltf");
+    const Hands hands([&](const std::string& window) {
+      if (opens) waitForPlace(window);
+      act(window);
+    });
     outcome = view(std::move(arguments), std::move(environment));
   }
   INFO(outcome.err);
@@ -63,13 +90,6 @@ void hold(const char* key, double seconds) {
   xdotool({"keydown", key});
   sleepFor(seconds);
   xdotool({"keyup", key});
-}
-
-// Whether it comes about before long.
-bool comes(const std::function<bool()>& what) {
-  for (int tries = 0; tries < 600; ++tries, sleepFor(0.1))
-    if (what()) return true;
-  return false;
 }
 
 // Two keys of a path, and a picture from the first.
@@ -170,6 +190,86 @@ TEST_CASE("keys and the mouse move the view") {
     sleepFor(1.5);
   })["places"][0];
   CHECK(glm::distance(positionOf(next), from) > 0.01);
+}
+
+TEST_CASE("keys alone look around, go through the panel, and change a setting there") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({test::tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
+  const auto looked = whileViewing({test::tinyScene(), "--size", "640x480"},
+                                   [](const std::string&) { hold("Right", 0.3); })["places"][0];
+  CHECK(looked["position"] == begin["position"]);
+  const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
+  CHECK(glm::dot(rotationOf(looked) * glm::dvec3(0, 0, -1), right) > 0.02);
+
+  // As slowly as a slow device draws: a key acts on what the frame before has shown.
+  const auto chosen = whileViewing({test::tinyScene(), "--size", "640x480"}, [](const std::string&) {
+    for (const char* key :
+         {"2", "F6", "Down", "Down", "Down", "Down", "space"}) {  // the place, pages in two rows, presets
+      xdotool({"key", key});
+      sleepFor(0.4);
+    }
+    for (const char* key : {"w", "k", "bracketright", "l"})
+      hold(key, 0.2);  // are the panel's, which has no use for them
+  })["places"][0];
+  CHECK(chosen["settings"] != begin["settings"]);
+  CHECK(positionOf(chosen) == positionOf(begin));
+  CHECK(rotationOf(chosen) == rotationOf(begin));
+
+  const auto back = whileViewing({test::tinyScene(), "--size", "640x480"}, [](const std::string&) {
+    for (const char* key : {"F6", "Down", "F6"}) {
+      xdotool({"key", key});
+      sleepFor(0.4);
+    }
+    hold("w", 0.4);
+    hold("Right", 0.3);
+  })["places"][0];
+  CHECK(back["settings"] == begin["settings"]);
+  CHECK(positionOf(back) != positionOf(begin));
+  CHECK(rotationOf(back) != rotationOf(begin));
+}
+
+TEST_CASE("the interface is as large as the monitor, an option or keys ask for, and the mouse hits it") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  // Where the side panel is seen: columns and rows in which the window differs from the picture without it.
+  struct Seen {
+    int left = 10000, bottom = 0;
+  };
+  const auto seen = [&](std::vector<std::string> more, const std::function<void(const std::string&)>& act = {}) {
+    std::vector<std::string> arguments{test::tinyScene(), "--size", "900x700", "--screenshot", folder / "bare.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Image8 pixels;
+    whileViewing(arguments, [&](const std::string& window) {
+      if (act) act(window);
+      sleepFor(0.3);
+      pixels = settledPixels(window);
+    });
+    const Image8 bare = readImage(folder / "bare.png");
+    Seen panel;
+    for (int y = 0; y < bare.height; ++y)
+      for (int x = 0; x < bare.width; ++x)
+        if (!std::ranges::equal(bare.pixel(x, y), pixels.pixel(x, y)))
+          panel = {std::min(panel.left, x), std::max(panel.bottom, y)};
+    return panel;
+  };
+  const Seen one = seen({}), larger = seen({"--interface-scale", "1.25"});
+  const int wide = 900 - 10;  // the panel's right side
+  CHECK(wide - one.left == Approx(26 * 13).margin(2));
+  CHECK(wide - larger.left == Approx(26 * 16).margin(2));
+  const Seen keyed = seen({}, [](const std::string&) {
+    xdotool({"key", "ctrl+equal"});
+    sleepFor(0.5);
+  });
+  CHECK(keyed.left == larger.left);
+  CHECK(keyed.bottom == larger.bottom);
+  const Seen same = seen({}, [](const std::string&) {
+    for (const char* key : {"ctrl+equal", "ctrl+minus"}) {
+      xdotool({"key", key});
+      sleepFor(0.5);
+    }
+  });
+  CHECK(same.left == one.left);
+  CHECK(same.bottom == one.bottom);
 }
 
 TEST_CASE("a window is resized again and again, hidden and shown, and goes on") {
@@ -448,10 +548,7 @@ TEST_CASE("the window shows the picture's very values, whatever its format") {
     std::vector<std::string> arguments{test::tinyScene(), "--size", "320x240", "--screenshot", folder / name};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Image8 pixels;
-    whileViewing(arguments, [&](const std::string& window) {
-      sleepFor(1.5);
-      pixels = test::pixelsOf(window);
-    });
+    whileViewing(arguments, [&](const std::string& window) { pixels = settledPixels(window); });
     return pixels;
   };
   const Image8 bare = seen("bare.png", {"--no-interface"});
@@ -473,8 +570,8 @@ TEST_CASE("a window's surface that is lost is made anew") {
                 folder / "shot.png"},
                [&](const std::string& window) {
                  xdotool({"key", "bracketright"});  // frames go on
-                 sleepFor(2);
-                 pixels = test::pixelsOf(window);
+                 sleepFor(1);
+                 pixels = settledPixels(window);
                });
   CHECK(pixels.values == readImage(folder / "shot.png").values);
 }

@@ -81,7 +81,7 @@ std::string outputOf(std::vector<std::string> words) {
 
 std::string visibleWindow() {
   for (int tries = 0; tries < 300; ++tries, sleepFor(0.1)) try {
-      const std::string found = outputOf({"xdotool", "search", "--onlyvisible", "--name", "^ibr$"});
+      const std::string found = outputOf({"xdotool", "search", "--onlyvisible", "--name", "(^| )ibr$"});
       if (!found.empty()) return found.substr(0, found.find('\n'));
     } catch (const std::runtime_error&) {  // none yet
     }

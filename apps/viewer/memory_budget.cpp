@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/memory_budget.h"
+
+#include <algorithm>
+#include <cstring>
+#include <vector>
+
+#include "gpu/vulkan.h"
+
+namespace ibr::app {
+namespace {
+
+bool saysBudgets(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vk(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr), "vkEnumerateDeviceExtensionProperties");
+  std::vector<VkExtensionProperties> all(count);
+  vk(vkEnumerateDeviceExtensionProperties(device, nullptr, &count, all.data()), "vkEnumerateDeviceExtensionProperties");
+  return std::ranges::any_of(
+      all, [](const auto& e) { return std::strcmp(e.extensionName, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME) == 0; });
+}
+
+std::uint32_t largestLocalHeap(const VkPhysicalDeviceMemoryProperties& memory) {
+  std::uint32_t best = 0;
+  const auto localBytes = [&](std::uint32_t heap) {
+    return memory.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT ? memory.memoryHeaps[heap].size : 0;
+  };
+  for (std::uint32_t heap = 1; heap < memory.memoryHeapCount; ++heap)
+    if (localBytes(heap) > localBytes(best)) best = heap;
+  return best;
+}
+
+}  // namespace
+
+MemoryBudget memoryBudget(const Device& device) {
+  const std::uint32_t heap = largestLocalHeap(device.memoryProperties());
+  if (!saysBudgets(device.physicalDevice())) return {device.memoryProperties().memoryHeaps[heap].size, std::nullopt};
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{.sType =
+                                                       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  VkPhysicalDeviceMemoryProperties2 memory{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+                                           .pNext = &budget};
+  vkGetPhysicalDeviceMemoryProperties2(device.physicalDevice(), &memory);
+  return {budget.heapBudget[heap], budget.heapUsage[heap]};
+}
+
+}  // namespace ibr::app
