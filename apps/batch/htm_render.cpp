@@ -35,6 +35,7 @@ const Command kHtmRenderCommand{
           ->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
+      addGraph(app, options->graph);
       declareHtmViews(app, *options);
       app.callback([options] {
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");

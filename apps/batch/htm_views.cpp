@@ -14,6 +14,7 @@
 #include "shared/htm_player.h"
 #include "shared/htm_settings.h"
 #include "shared/picture_record.h"
+#include "shared/pictures.h"
 #include "shared/progress.h"
 #include "shared/statistics.h"
 
@@ -104,7 +105,7 @@ void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind
 }
 
 ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) {
-  HtmPlayerOptions play{.onSource = options.onSource, .seconds = options.time.value_or(0)};
+  HtmPlayerOptions play{.onSource = options.onSource, .seconds = options.time.value_or(0), .graph = options.graph};
   if (options.time) play.ahead = 0;
   HtmPlayer player(options.model, play, context);
   std::vector<View> views = viewsOf(player.model(), options, context);
@@ -113,7 +114,8 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
   const std::vector<Shot> shots = shotsOf(std::move(views), options, player.fps());
 
-  const Json drawn = htmSettingsJson(options.settings, options.onSource);
+  Json drawn = htmSettingsJson(options.settings, options.onSource);
+  drawn["graph"] = options.graph;
   Json written = Json::array();
   std::vector<double> coverage, weights, coordinates, rasterisation;
   HtmState walk;
@@ -122,13 +124,14 @@ ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) 
     for (const Shot& shot : shots) {
       check(progress.show({"rendering", written.size(), shots.size()}), ErrorCode::cancelled, "stopped");
       if (shot.first) walk = {};
-      const HtmPlayer::Picture picture =
+      HtmPlayer::Picture picture =
           player.render(shot.view.camera, shot.seconds, options.settings, walk, shot.dtSeconds);
+      coverage.push_back(coverageOf(picture.image));
+      if (options.graph) makeOpaque(picture.image);  // lines lie beside the object too
       const fs::path file = pictureFile(options.output, shot.view.name);
       makeFolders(file.parent_path());
       writePicture(file, picture.image,
                    {shot.view.camera, player.isVideo() ? std::optional(shot.seconds) : std::nullopt, drawn});
-      coverage.push_back(coverageOf(picture.image));
       weights.push_back(picture.weights);
       coordinates.push_back(picture.coordinates);
       rasterisation.push_back(picture.rasterisation);

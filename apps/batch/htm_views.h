@@ -20,6 +20,7 @@ struct HtmViewsOptions {
   PictureSize size;
   double fovDegrees = 0;  // 0: that of the poses
   bool onSource = false;
+  bool graph = false;
   std::optional<double> time;  // s, of all views; none: the poses'
   HtmSettings settings;
 };

@@ -38,6 +38,7 @@ struct Options {
   bool stereo = false;
   double ipd = 0;  // 0: not given
   bool buffers = false;
+  bool graph = false;
   double eyeHeight = 0;  // over the guiding floor; 0: no floor
   RenderSettings settings;
   GpuSceneOptions gpuScene;
@@ -74,6 +75,7 @@ ExitCode renderHarmonised(const Options& options, const Context& context) {
   htm.poses = options.poses;
   htm.output = options.output;
   htm.autoFrames = options.autoFrames;
+  htm.graph = options.graph;
   htm.size = options.size;
   htm.fovDegrees = options.fovDegrees;
   return renderHtmViews(htm, context);
@@ -99,8 +101,10 @@ ExitCode renderViews(const Options& options, const Context& context) {
   wanted.views = options.stereo ? 2 : 1;
   if (options.buffers) wanted.buffers = &scene;
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
+  if (options.graph) renderer.showGraph();
   settings.alpha = AlphaContent::tier;
-  const Json drawn = pictureSettingsJson(settings, options.gpuScene, options.eyeHeight);
+  Json drawn = pictureSettingsJson(settings, options.gpuScene, options.eyeHeight);
+  drawn["graph"] = options.graph;
   Json written = Json::array();
   double least = 1, sum = 0;
   PlanState walk;
@@ -182,21 +186,23 @@ const Command kRenderCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
-      auto* poses =
-          app.add_option("--poses", options->poses, "COLMAP model's folder, transforms.json, a camera path or a picture")
-              ->type_name("FILE|DIR");
+      auto* poses = app.add_option("--poses", options->poses,
+                                   "COLMAP model's folder, transforms.json, a camera path or a picture")
+                        ->type_name("FILE|DIR");
       poses->excludes(addAutoPath(app, options->autoFrames));
       app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
           ->required()
           ->type_name("DIR");
       addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
       addFov(app, options->fovDegrees);
+      addGraph(app, options->graph);
       const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });
       const auto ofModels = inGroup(app, "Harmonised models, 3D video", [&] { declareHtmViews(app, options->htm); });
       app.callback([options, ofScenes, ofModels] {
         options->htm.model = options->scene;
         const std::optional<AssetKind> kind = assetKind(options->scene);
-        if (kind == AssetKind::scene) refuseGiven(ofModels, "is of harmonised models, and " + options->scene + " a scene");
+        if (kind == AssetKind::scene)
+          refuseGiven(ofModels, "is of harmonised models, and " + options->scene + " a scene");
         if (isHarmonised(kind)) {
           refuseGiven(ofScenes, "is of scenes, and " + options->scene + " a harmonised model or 3D video");
           checkHtmViews(options->htm, kind);

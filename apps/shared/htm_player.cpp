@@ -18,7 +18,7 @@ HtmPicture readPrepared(const HtmModel& model, std::size_t camera) {
 }  // namespace
 
 HtmPlayer::HtmPlayer(const std::filesystem::path& path, const HtmPlayerOptions& options, const Context& context)
-    : path_(path), onSource_(options.onSource), context_(context) {
+    : path_(path), onSource_(options.onSource), showsGraph_(options.graph), context_(context) {
   if (assetKind(path) == AssetKind::htmSequence) {
     sequence_ = std::make_unique<HtmSequence>(path, readPrepared, HtmSequenceOptions{.ahead = options.ahead});
     show(options.seconds);
@@ -65,10 +65,12 @@ void HtmPlayer::upload() {
     reading += file.seconds();
     return picture;
   };
-  if (pictures_)
+  if (pictures_) {
     pictures_->show(*model_, source);
-  else
+  } else {
     pictures_ = std::make_unique<HtmPictures>(*model_, *device_, source);
+    if (showsGraph_) pictures_->showGraph();
+  }
   uploaded_ = true;
   shown_.back().upload = 1e3 * (watch.seconds() - reading);
   shown_.back().loading += 1e3 * reading;

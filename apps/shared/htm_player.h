@@ -16,6 +16,7 @@ struct HtmPlayerOptions {
   bool onSource = false;  // meshes from before they were optimised
   std::size_t ahead = 8;  // frames loaded in the background
   double seconds = 0;     // the first moment that is shown
+  bool graph = false;     // the cameras of its model are shown too
 };
 
 /// The next frames are loaded while one is drawn; a frame that is not there yet is waited for. One frame is on the
@@ -57,7 +58,7 @@ class HtmPlayer {
   void upload();
 
   std::filesystem::path path_;
-  bool onSource_;
+  bool onSource_, showsGraph_;
   const Context& context_;
   std::unique_ptr<HtmSequence> sequence_;
   std::shared_ptr<const HtmFrame> frame_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "io/image_file.h"
+#include "shared/graph_lines.h"
 
 namespace ibr::app {
 namespace {
@@ -53,6 +54,10 @@ void HtmPictures::show(const HtmModel& model, const HtmPictureSource& source) {
   if (renderer_) renderer_->show(gpuModel_);
 }
 
+void HtmPictures::showGraph() {
+  graph_ = graphLines(*device_, *model_, VK_FORMAT_R8G8B8A8_UNORM);
+}
+
 void HtmPictures::prepare(const Intrinsics& intrinsics) {
   const VkExtent2D extent{std::uint32_t(intrinsics.width), std::uint32_t(intrinsics.height)};
   if (offscreen_ && offscreen_->target().extent.width == extent.width &&
@@ -78,6 +83,7 @@ HtmPictures::Picture HtmPictures::render(const Camera& view, const HtmSettings& 
   picture.image = offscreen_->render([&](VkCommandBuffer commands) {
     timer_.reset(commands);
     renderer_->record(commands, plan, offscreen_->target(), &timer_);
+    if (graph_) recordGraph(commands, *graph_, view, offscreen_->target());
   });
   picture.milliseconds = picture.weights + millisecondsSince(recorded);
   for (const ScopeTime& scope : timer_.read())

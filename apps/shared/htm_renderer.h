@@ -7,6 +7,7 @@
 #include <string>
 
 #include "gpu/scope.h"
+#include "ibr/graph_overlay.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
 #include "shared/context.h"
@@ -27,6 +28,9 @@ class HtmPictures {
   /// Another model in the place of this one, by GpuHtmModel::replace; it must outlive this too. After an exception
   /// nothing but show() may follow.
   void show(const HtmModel& model, const HtmPictureSource& source = readHtmPicture);
+
+  /// Pictures from now on show the cameras as well, as they were in the model of this moment.
+  void showGraph();
 
   struct Picture {
     Image8 image;              // RGBA; alpha: covered (HtmRenderer::record)
@@ -58,6 +62,7 @@ class HtmPictures {
   Device* device_;
   GpuHtmModel gpuModel_;
   ScopeTimer timer_;
+  std::optional<GraphOverlay> graph_;
   std::optional<HtmRenderer> renderer_;
   std::optional<Offscreen> offscreen_;
 };

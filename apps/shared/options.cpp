@@ -126,6 +126,13 @@ CLI::Option* addFov(CLI::App& app, double& degrees) {
       ->type_name("DEGREES");
 }
 
+void addGraph(CLI::App& app, bool& graph) {
+  app.add_flag(
+      "--graph", graph,
+      "Photographs' frusta, and the lines of the cells between them, over the pictures; what a picture is made "
+      "of in the colours of its cells' ranks");
+}
+
 std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare) {
   const std::size_t before = app.get_options().size();
   declare();

@@ -56,6 +56,9 @@ CLI::Option* addAutoPath(CLI::App& app, int& frames);
 /// --fov: degrees, 0 where it is not given.
 CLI::Option* addFov(CLI::App& app, double& degrees);
 
+/// --graph: the image graph is drawn over the pictures.
+void addGraph(CLI::App& app, bool& graph);
+
 /// What `declare` declares becomes a group of its own in the help; these options.
 std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const std::function<void()>& declare);
 

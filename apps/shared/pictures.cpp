@@ -16,6 +16,10 @@ Image8 rgb(const Image8& image) {
   return out;
 }
 
+void makeOpaque(Image8& image) {
+  for (std::size_t i = 3; i < image.values.size(); i += 4) image.values[i] = 255;
+}
+
 std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buffers) {
   std::vector<ExrChannel> channels;
   const auto add = [&](const char* name, const auto& from, std::size_t channel, auto&& value) {

@@ -14,6 +14,9 @@ namespace ibr::app {
 /// Without the alpha channel.
 Image8 rgb(const Image8& image);
 
+/// All of an RGBA picture shows.
+void makeOpaque(Image8& image);
+
 /// Everything that is known of a picture's pixels, for an OpenEXR file: R, G, B, linear; Z, depth; tier; rank;
 /// weight.0 … weight.3; confidence.spread, .uncertainty, .extrapolation (BufferTargets). Precondition: equal sizes.
 std::vector<ExrChannel> exrChannels(const Image8& image, const FrameBuffers& buffers);

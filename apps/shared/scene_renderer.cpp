@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "gpu/submit.h"
+#include "shared/graph_lines.h"
 
 namespace ibr::app {
 namespace {
@@ -46,6 +47,10 @@ SceneRenderer::SceneRenderer(const Scene& scene, const std::vector<View>& views,
       renderer_(device_, gpuScene_, (options.largest = largestOf(views), options)),
       wantsBuffers_(options.buffers != nullptr) {}
 
+void SceneRenderer::showGraph() {
+  graph_ = graphLines(device_, scene_, VK_FORMAT_R8G8B8A8_UNORM);
+}
+
 void SceneRenderer::prepare(std::size_t eye, const Intrinsics& intrinsics) {
   const VkExtent2D extent{std::uint32_t(intrinsics.width), std::uint32_t(intrinsics.height)};
   std::optional<Offscreen>& offscreen = offscreen_[eye];
@@ -76,8 +81,10 @@ std::vector<SceneRenderer::Picture> SceneRenderer::render(const std::vector<Came
   state = plan.next;
   streamAll(device_, gpuScene_, plan, frame_);
   std::vector<Picture> pictures(views.size());
-  pictures[0].image =
-      offscreen_[0]->render([&](VkCommandBuffer commandBuffer) { renderer_.record(commandBuffer, plan, targets); });
+  pictures[0].image = offscreen_[0]->render([&](VkCommandBuffer commandBuffer) {
+    renderer_.record(commandBuffer, plan, targets);
+    if (graph_) recordGraph(commandBuffer, *graph_, plan, targets);
+  });
   for (std::size_t eye = 1; eye < views.size(); ++eye)  // drawn already
     pictures[eye].image = offscreen_[eye]->render([](VkCommandBuffer) {});
   const double milliseconds =

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "ibr/graph_overlay.h"
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
 #include "shared/camera_path.h"
@@ -25,6 +26,9 @@ class SceneRenderer {
   /// it.
   SceneRenderer(const Scene& scene, const std::vector<View>& views, const GpuSceneOptions& gpuScene,
                 RendererOptions options, const Context& context);
+
+  /// Pictures from now on show the image graph as well.
+  void showGraph();
 
   struct Picture {
     Image8 image;                         // RGBA
@@ -49,6 +53,7 @@ class SceneRenderer {
   Device device_;
   GpuScene gpuScene_;
   Renderer renderer_;
+  std::optional<GraphOverlay> graph_;
   std::uint64_t frame_ = 0;
   bool wantsBuffers_;
   std::array<std::optional<Offscreen>, 2> offscreen_;  // by eye

@@ -7,12 +7,11 @@
 
 namespace ibr::app {
 
-namespace {
-
-constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
-                              std::pair{"accurate", Preset::accurate}, std::pair{"reference", Preset::reference}};
-
-}  // namespace
+RenderSettings presetOver(const RenderSettings& settings, Preset preset) {
+  RenderSettings chosen = ibr::preset(preset);
+  chosen.wireframe = settings.wireframe;
+  return chosen;
+}
 
 void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
   // Declared first, so that what is given explicitly comes later and wins.

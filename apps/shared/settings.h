@@ -23,6 +23,14 @@ void declareGpuScene(CLI::App& app, GpuSceneOptions& options);
 /// --texture, for commands that write textures.
 void declareTextureFormat(CLI::App& app, TextureFormat& format);
 
+/// Words of --preset, from the fastest.
+inline constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
+                                     std::pair{"accurate", Preset::accurate},
+                                     std::pair{"reference", Preset::reference}};
+
+/// A preset in the place of these settings; what is shown over the picture stays.
+RenderSettings presetOver(const RenderSettings& settings, Preset preset);
+
 /// Words of --colour, also of reports.
 inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},

@@ -18,7 +18,7 @@ constexpr std::array kKeys{
     KeyHelp{"W A S D", "move"},
     KeyHelp{"Q E", "down, up"},
     KeyHelp{"right mouse button, arrows", "look around"},
-    KeyHelp{"middle mouse button", "go round a harmonised model"},
+    KeyHelp{"middle mouse button", "go round what it is pressed on"},
     KeyHelp{"shift, alt", "faster, slower"},
     KeyHelp{"mouse wheel", "speed; with ctrl the field of view"},
     KeyHelp{"[ ]", "previous, next photograph"},
@@ -26,6 +26,7 @@ constexpr std::array kKeys{
     KeyHelp{"ctrl page up, down", "previous, next place that is open"},
     KeyHelp{"space", "3D video: play, pause"},
     KeyHelp{"L", "level the horizon"},
+    KeyHelp{"G", "photographs' frusta and cells over the picture"},
     KeyHelp{"B", "stay near the photographs, or go anywhere"},
     KeyHelp{"K, J", "key of a camera path here; show the path"},
     KeyHelp{"ctrl S", "save the path, as ibr render --poses takes it"},
@@ -56,6 +57,9 @@ NavigationInput handsOf(const Viewer& viewer, Place& place, double seconds) {
     return !io.WantCaptureMouse && ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
   };
   if (holds(ImGuiMouseButton_Right)) hands.look = pulled;
+  if (!io.WantCaptureMouse && ImGui::IsMouseClicked(ImGuiMouseButton_Middle))
+    place.pickAt = glm::dvec2(double(io.MousePos.x * io.DisplayFramebufferScale.x),
+                              double(io.MousePos.y * io.DisplayFramebufferScale.y));
   if (holds(ImGuiMouseButton_Middle)) hands.orbit = pulled;
   if (!io.WantCaptureMouse && io.KeyCtrl)
     place.walk.fovY = std::clamp(place.walk.fovY * std::exp(-0.1 * double(io.MouseWheel)), 0.1, 2.6);
@@ -93,6 +97,10 @@ void pressInPlace(Viewer& viewer, Place& place, int key) {
       return goTo(place, nearestCamera(place.poses(), place.walk.pose));
     case GLFW_KEY_L:
       place.walk.pose = levelled(place.walk.pose, place.walk.up);
+      place.changed = true;
+      return;
+    case GLFW_KEY_G:
+      place.showGraph = !place.showGraph;
       place.changed = true;
       return;
     case GLFW_KEY_K:

@@ -4,7 +4,10 @@
 #include <optional>
 
 #include "ibr/offscreen.h"
+#include "shared/graph_lines.h"
 #include "shared/htm_renderer.h"
+#include "shared/mesh_pick.h"
+#include "shared/pictures.h"
 #include "viewer/place_on_device.h"
 #include "viewer/places.h"
 
@@ -24,6 +27,10 @@ class ModelOnDevice final : public PlaceOnDevice {
     lastView_ = view;
     state_ = plan.next;
     renderer_->record(moment.commands, plan, target, timer);
+    if (place_.showGraph) {
+      const GpuScope scope(moment.commands, timer, "graph");
+      recordGraph(moment.commands, graph(), view, target);
+    }
   }
 
   bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
@@ -33,12 +40,24 @@ class ModelOnDevice final : public PlaceOnDevice {
     const HtmRenderer renderer(device_, *gpuModel_, {.largest = extent});
     const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
     ++frame;
-    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+    Image8 image = offscreen.render([&](VkCommandBuffer commands) {
+      renderer.record(commands, plan, offscreen.target());
+      if (place_.showGraph) recordGraph(commands, graph(), plan.view, offscreen.target());
+    });
+    if (place_.showGraph) makeOpaque(image);  // lines lie beside the object too
+    return image;
+  }
+
+  std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
+    const Camera view = cameraOf(place_, extent);
+    return pickedPoint(model_->surface.mesh, view.pose.position,
+                       view.pose.rotation * unproject(view.intrinsics, pixel));
   }
 
   void remakePipelines() override {
-    if (!renderer_) return;
     vkDeviceWaitIdle(device_.handle());
+    graph_.reset();
+    if (!renderer_) return;
     HtmRenderer fresh(device_, *gpuModel_, {.largest = largest_, .formats = {format_}});
     *renderer_ = std::move(fresh);
   }
@@ -86,12 +105,18 @@ class ModelOnDevice final : public PlaceOnDevice {
     renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.largest = largest_, .formats = {target.format}});
   }
 
+  GraphOverlay& graph() {
+    if (!graph_) graph_ = graphLines(device_, *place_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    return *graph_;
+  }
+
   Device& device_;
   Place& place_;
   std::shared_ptr<const HtmModel> model_;
   HtmBounds bounds_;
   std::optional<GpuHtmModel> gpuModel_;
   std::optional<HtmRenderer> renderer_;
+  std::optional<GraphOverlay> graph_;
   VkExtent2D largest_{0, 0};
   VkFormat format_ = VK_FORMAT_UNDEFINED;
   HtmState state_;

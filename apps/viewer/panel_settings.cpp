@@ -45,31 +45,8 @@ bool count(const char* label, std::uint32_t& value, int low, int high, const cha
   return changed;
 }
 
-struct PresetLine {
-  const char* name;
-  Preset preset;
-  const char* effect;
-};
-constexpr std::array kPresets{
-    PresetLine{"fast", Preset::fast, "few cells, dithered: for slow devices"},
-    PresetLine{"balanced", Preset::balanced, "blended, colours mapped"},
-    PresetLine{"accurate", Preset::accurate, "more cells and reads: for pictures"},
-    PresetLine{"reference", Preset::reference, "everything as exact as it goes, whatever it costs"},
-};
-
 bool sceneSettings(RenderSettings& s) {
   bool changed = false;
-  for (const PresetLine& line : kPresets) {
-    if (ImGui::Button(line.name)) {
-      const bool wireframe = s.wireframe;
-      s = preset(line.preset);
-      s.wireframe = wireframe;
-      changed = true;
-    }
-    hint(line.effect);
-    ImGui::SameLine();
-  }
-  ImGui::NewLine();
   using Blend = std::pair<const char*, BlendMode>;
   changed |= choose("blending", s.blend,
                     std::array{Blend{"blend", BlendMode::blend}, Blend{"dither", BlendMode::dither},
@@ -116,8 +93,9 @@ bool modelSettings(HtmSettings& s) {
 
 void showSettings(PanelInput& input) {
   Place& place = *input.viewer.place();
+  if (place.scene) showPresets(input);
   ImGui::PushItemWidth(-9 * ImGui::GetFontSize());
-  if (place.scene ? sceneSettings(place.settings) : modelSettings(place.htmSettings)) place.changed = true;
+  if (place.scene ? sceneSettings(place.settings) : modelSettings(place.htmSettings)) settingsChanged(place);
   ImGui::PopItemWidth();
 }
 

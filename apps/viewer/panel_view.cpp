@@ -3,6 +3,8 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
@@ -10,6 +12,71 @@
 #include "viewer/panels.h"
 
 namespace ibr::app {
+namespace {
+
+const ImVec4 kNear(0.0f, 0.62f, 0.45f, 1), kFar(0.9f, 0.62f, 0.0f, 1);
+
+// How far it may go, and how far it is.
+void showRoaming(Place& place) {
+  ImGui::Checkbox("stay near the photographs (B)", &place.bounded);
+  const double away = distanceTo(place.bounds, place.walk.pose.position);
+  ImGui::SameLine();
+  ImGui::TextColored(away <= place.bounds.radius ? kNear : kFar, "%s",
+                     away <= place.bounds.radius
+                         ? "near them"
+                         : fmt::format("{:.1f} steps beyond", (away - place.bounds.radius) / place.step).c_str());
+  float radius = float(place.bounds.radius / place.step);
+  if (ImGui::SliderFloat("how near", &radius, 0.1f, 20, "%.2f steps", ImGuiSliderFlags_Logarithmic))
+    place.bounds.radius = double(radius) * place.step;
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
+}
+
+struct TierLine {
+  const char* name;
+  ImU32 colour;  // Okabe and Ito 2008, which colour-blind people tell apart
+};
+constexpr std::array kTiers{TierLine{"all photographs agree", IM_COL32(0, 158, 115, 255)},
+                            TierLine{"from one photograph", IM_COL32(86, 180, 233, 255)},
+                            TierLine{"from a backdrop", IM_COL32(230, 159, 0, 255)},
+                            TierLine{"invented, or nothing", IM_COL32(90, 90, 90, 255)}};
+
+// Of what the picture is made, as a bar.
+void showTrust(const Place& place) {
+  const float height = 0.8f * ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, {at.x + width, at.y + height}, IM_COL32(60, 60, 60, 255));
+  float x = at.x;
+  for (std::size_t tier = 0; place.trust && tier < kTiers.size(); ++tier) {
+    const float share = width * float(place.trust->tiers[tier]);
+    list.AddRectFilled({x, at.y}, {x + share, at.y + height}, kTiers[tier].colour);
+    x += share;
+  }
+  ImGui::Dummy({width, height});
+  if (ImGui::IsItemHovered()) {
+    ImGui::BeginTooltip();
+    for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kTiers[tier].colour), "%5.1f %% %s",
+                         place.trust ? 100 * place.trust->tiers[tier] : 0.0, kTiers[tier].name);
+    ImGui::EndTooltip();
+  }
+  if (!place.trust) {
+    ImGui::TextDisabled("how far this view may be trusted: once it stands");
+    return;
+  }
+  const Trust& trust = *place.trust;
+  const auto line = [](const std::string& words) { ImGui::TextUnformatted(words.c_str()); };
+  line(fmt::format("{:.0f} % of it agrees in all photographs", 100 * trust.tiers[0]));
+  line(std::isfinite(trust.depthError) ? fmt::format("depth +-{:.1f} %", 100 * trust.depthError) : "depth unknown");
+  ImGui::SameLine();
+  line(!std::isfinite(trust.extrapolation) ? ", no cell is near"
+       : trust.extrapolation > 0           ? fmt::format(", {:.2f} cell sizes outside the best", trust.extrapolation)
+                                           : ", inside the best cell");
+}
+
+}  // namespace
 
 void showView(PanelInput& input) {
   Viewer& viewer = input.viewer;
@@ -25,11 +92,9 @@ void showView(PanelInput& input) {
   float speed = float(place.walk.speed / place.step);
   if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s", ImGuiSliderFlags_Logarithmic))
     place.walk.speed = double(speed) * place.step;
-  ImGui::Checkbox("stay near the photographs", &place.bounded);
-  const double away = distanceTo(place.bounds, p) / place.bounds.radius;
-  ImGui::SameLine();
-  ImGui::TextColored(away <= 1 ? ImVec4(0.13f, 0.57f, 0.55f, 1) : ImVec4(0.99f, 0.91f, 0.14f, 1), "%s",
-                     away <= 1 ? "near them" : fmt::format("{:.1f} steps beyond them", away - 1).c_str());
+  showRoaming(place);
+  if (place.scene) showTrust(place);
+  if (ImGui::Checkbox("frusta and cells (G)", &place.showGraph)) place.changed = true;
   if (ImGui::Button("screenshot")) viewer.wantsScreenshot = true;
   ImGui::SameLine();
   if (ImGui::Button("keys (F1)")) viewer.showHelp = !viewer.showHelp;

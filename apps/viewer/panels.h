@@ -33,10 +33,14 @@ void showView(PanelInput& input);
 void showSettings(PanelInput& input);
 void showCells(PanelInput& input);
 void showMap(PanelInput& input);
+void showPresets(PanelInput& input);  // above the settings
 void showRoute(PanelInput& input);
 void showTimes(PanelInput& input);
 void showMemory(PanelInput& input);
 void showLog(PanelInput& input);
+
+/// A panel has changed the settings of a place.
+void settingsChanged(Place& place);
 
 // Over the picture itself.
 void showHelp(PanelInput& input);

@@ -15,6 +15,8 @@
 #include "shared/camera_path.h"
 #include "shared/graph_view.h"
 #include "shared/navigation.h"
+#include "viewer/effects.h"
+#include "viewer/trust.h"
 
 namespace ibr::app {
 
@@ -53,7 +55,14 @@ struct Place {
   /// Shows the route from its beginning, at its own rate.
   void showRoute();
 
-  bool changed = false;  // a panel has changed what is shown
+  bool changed = false;    // a panel has changed what is shown
+  bool showGraph = false;  // frusta and cells over the picture
+
+  // What is asked of the device, and what it found.
+  std::optional<glm::dvec2> pickAt;  // px: the view goes round what is seen there from now on
+  std::optional<Trust> trust;        // of the view that stands
+  bool wantsEffects = false;
+  std::optional<Effects> effects;
 
   std::vector<Pose> poses() const;  // of viewpoints
   /// To a photograph's view, in so many seconds.

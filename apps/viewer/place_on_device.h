@@ -30,6 +30,11 @@ struct MemoryClass {
   bool ofScene;  // GpuSceneOptions::budgetBytes counts it
 };
 
+struct TimedPicture {
+  Image8 image;
+  double milliseconds;  // of a frame on the device
+};
+
 class PlaceOnDevice {
  public:
   virtual ~PlaceOnDevice() = default;
@@ -43,6 +48,16 @@ class PlaceOnDevice {
   /// The same view by itself, as `ibr render` draws it, of that size. Waits for the device; `frame` is raised by the
   /// frames that it takes. Throws Error.
   virtual Image8 picture(VkExtent2D extent, std::uint64_t& frame) = 0;
+
+  /// A picture of the view with other settings, and what it costs: the median of a few frames. As `picture`. Of scenes.
+  virtual TimedPicture timed(const RenderSettings&, VkExtent2D, std::uint64_t&) { return {}; }
+
+  /// The point of the world that a pixel of the view shows (px), where there is one. Waits for the device. Throws
+  /// Error.
+  virtual std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) = 0;
+
+  /// Of the view. Waits for the device. Throws Error. nullopt for harmonised models.
+  virtual std::optional<Trust> trust(VkExtent2D) { return std::nullopt; }
 
   /// Makes the pipelines anew, after shaders have changed; what is drawn changes with them. Waits for the device.
   /// Throws Error, and then goes on with those that it had.

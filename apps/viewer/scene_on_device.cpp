@@ -2,10 +2,14 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/stopwatch.h"
 #include "ibr/offscreen.h"
+#include "shared/graph_lines.h"
 #include "shared/scene_renderer.h"
+#include "shared/statistics.h"
 #include "viewer/place_on_device.h"
 #include "viewer/places.h"
+#include "viewer/probe.h"
 
 namespace ibr::app {
 namespace {
@@ -33,6 +37,10 @@ class SceneOnDevice final : public PlaceOnDevice {
     prepare(target);
     streamed_ = gpuScene_.stream(moment.commands, plan_, moment.frame, moment.completed);
     renderer_->record(moment.commands, plan_, std::span(&target, 1), timer);
+    if (place_.showGraph) {
+      const GpuScope scope(moment.commands, timer, "graph");
+      recordGraph(moment.commands, graph(), plan_, std::span(&target, 1));
+    }
     // Colours fade for longer than the order does.
     const RenderSettings& s = place_.settings;
     const bool same = sameView(view, lastView_);
@@ -49,12 +57,51 @@ class SceneOnDevice final : public PlaceOnDevice {
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
     const Renderer renderer(device_, gpuScene_, optionsFor(place_.settings, extent));
-    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+    return offscreen.render([&](VkCommandBuffer commands) {
+      const Target target = offscreen.target();
+      renderer.record(commands, plan, target);
+      if (place_.showGraph) recordGraph(commands, graph(), plan, std::span(&target, 1));
+    });
+  }
+
+  TimedPicture timed(const RenderSettings& settings, VkExtent2D extent, std::uint64_t& frame) override {
+    constexpr int kFrames = 5;  // after the first, which is slow
+    const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, settings, 0}, {});
+    Offscreen offscreen(device_, extent);
+    streamAll(device_, gpuScene_, plan, frame);
+    const Renderer renderer(device_, gpuScene_, optionsFor(settings, extent));
+    ScopeTimer timer(device_, 1);
+    TimedPicture picture{};
+    std::vector<double> times;
+    for (int i = 0; i <= kFrames; ++i) {
+      const Stopwatch watch;
+      picture.image = offscreen.render([&](VkCommandBuffer commands) {
+        timer.reset(commands);
+        const GpuScope scope(commands, &timer, "frame");
+        renderer.record(commands, plan, offscreen.target());
+      });
+      const std::vector<ScopeTime> scopes = timer.read();
+      if (i > 0) times.push_back(scopes.empty() ? 1e3 * watch.seconds() : scopes[0].milliseconds);
+    }
+    picture.milliseconds = quantile(times, 0.5);
+    return picture;
+  }
+
+  std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
+    const Camera view = cameraOf(place_, extent);
+    const auto depth = probe().depthAt(view, place_.settings, pixel);
+    return depth ? pickedPoint(view, pixel, *depth) : std::nullopt;
+  }
+
+  std::optional<Trust> trust(VkExtent2D extent) override {
+    return probe().trust(cameraOf(place_, extent), place_.settings);
   }
 
   void remakePipelines() override {
-    if (!renderer_) return;
     vkDeviceWaitIdle(device_.handle());
+    graph_.reset();
+    probe_.reset();
+    if (!renderer_) return;
     Renderer fresh(device_, gpuScene_, options_);
     *renderer_ = std::move(fresh);
   }
@@ -81,12 +128,24 @@ class SceneOnDevice final : public PlaceOnDevice {
     renderer_.emplace(device_, gpuScene_, options_);
   }
 
+  GraphOverlay& graph() {
+    if (!graph_) graph_ = graphLines(device_, *place_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    return *graph_;
+  }
+
+  Probe& probe() {
+    if (!probe_) probe_.emplace(device_, *place_.scene, bounds_, gpuScene_);
+    return *probe_;
+  }
+
   Device& device_;
   Place& place_;
   SceneBounds bounds_;
   GpuScene gpuScene_;
   RendererOptions options_;
   std::optional<Renderer> renderer_;
+  std::optional<GraphOverlay> graph_;
+  std::optional<Probe> probe_;
   FramePlan plan_;
   GpuScene::Streamed streamed_;
   Camera lastView_;

@@ -25,12 +25,11 @@ void writeScreenshot(const fs::path& file, const Image8& image, const Place& pla
                      const GpuSceneOptions& gpuScene) {
   if (file.has_parent_path()) makeFolders(file.parent_path());
   const Camera camera = cameraOf(place, extent);
-  if (place.scene) {
-    writePicture(file, rgb(image), {camera, std::nullopt, pictureSettingsJson(place.settings, gpuScene, 0)});
-    return;
-  }
+  nlohmann::ordered_json settings =
+      place.scene ? pictureSettingsJson(place.settings, gpuScene, 0) : htmSettingsJson(place.htmSettings, false);
+  settings["graph"] = place.showGraph;
   const std::optional<double> time = place.video ? std::optional(place.time) : std::nullopt;
-  writePicture(file, image, {camera, time, htmSettingsJson(place.htmSettings, false)});
+  writePicture(file, place.scene ? rgb(image) : image, {camera, time, settings});
 }
 
 }  // namespace ibr::app

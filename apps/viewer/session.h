@@ -59,6 +59,7 @@ class Session {
   std::filesystem::path saveRoute();  // empty: there was nothing to save
   void makeVideo();
   void takeScreenshot(const std::filesystem::path& file);
+  void findOut();
   void forgetClosed();
   void reloadShaders();
   PlaceOnDevice* drawnPlace();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What keys and panels ask for, between two frames.
 #include <fmt/format.h>
+#include <imgui.h>
 
 #include <utility>
 
@@ -28,9 +29,11 @@ void Session::grantWishes() {
     if (saves) saveRoute();
     if (films) makeVideo();
     if (shoots) takeScreenshot(freeFile(fs::absolute(options_.screenshots), "view", ".png"));
+    findOut();
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost) throw;
     viewer_.say(LogLevel::error, e.what());
+    if (place) place->effects.reset();  // not again and again
   }
   if (pastes || saves || films || shoots) redraws_ = 3;
 }
@@ -76,6 +79,30 @@ void Session::takeScreenshot(const fs::path& file) {
   const Image8 image = drawnPlace()->picture(extent, frame_);
   writeScreenshot(file, image, *place, extent, options_.gpuScene);
   viewer_.show(fmt::format("{} written", file.string()));
+}
+
+// What was asked about the place, and what is to be known of a view that stands. After its frame has been submitted:
+// what that streams is there then.
+void Session::findOut() {
+  Place* place = viewer_.place();
+  PlaceOnDevice* drawn = place ? drawnPlace() : nullptr;
+  if (!drawn || !picture_) return;
+  const VkExtent2D extent = picture_->target().extent;
+  if (const auto pixel = std::exchange(place->pickAt, std::nullopt)) {
+    if (const auto point = drawn->pointAt(extent, *pixel)) place->walk.centre = point;
+    if (!place->walk.centre) viewer_.show("Nothing is known there to go round");
+  }
+  if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent);
+  if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {
+    measureNext(*place->effects, *drawn, frame_);
+    redraws_ = 3;
+  }
+  if (pictureWanted_ || place->playing) {
+    place->trust.reset();
+  } else if (!place->trust && viewer_.showInterface) {
+    place->trust = drawn->trust(extent);
+    if (place->trust) redraws_ = 3;
+  }
 }
 
 }  // namespace ibr::app
