@@ -85,17 +85,28 @@ void showPlaces(Window& window, Interface& interface, Viewer& viewer, const Sess
   }
 }
 
+// Of what the view is made; null where that is not known. What is infinite is null too.
+nlohmann::ordered_json trustJson(const Place& place) {
+  if (!place.trust) return {};
+  return {{"tiers", place.trust->tiers},
+          {"depthError", place.trust->depthError},
+          {"extrapolation", place.trust->extrapolation}};
+}
+
 std::string report(const Viewer& viewer, const Window& window) {
   using Json = nlohmann::ordered_json;
   Json places = Json::array();
   for (const auto& place : viewer.places) {
     const glm::dvec3& p = place->walk.pose.position;
     const glm::dquat& q = place->walk.pose.rotation;
+    const auto& centre = place->walk.centre;
     places.push_back({{"place", place->path.string()},
                       {"photographs", place->viewpoints.size()},
                       {"position", {p.x, p.y, p.z}},
                       {"rotation", {q.x, q.y, q.z, q.w}},
                       {"fovY", place->walk.fovY},
+                      {"centre", centre ? Json{centre->x, centre->y, centre->z} : Json()},
+                      {"trust", trustJson(*place)},
                       {"settings", place->scene ? pictureSettingsJson(place->settings, {}, 0)
                                                 : htmSettingsJson(place->htmSettings, false)}});
   }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file.h"
+#include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "run_program.h"
 #include "support/htm_files.h"
@@ -324,7 +325,8 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
         xdotool({"key", "ctrl+v"});
         sleepFor(0.5);
       });
-  CHECK(report["places"][0] == begin);  // pasted: where it was copied
+  for (const char* field : {"position", "rotation", "fovY"})  // pasted: where it was copied
+    CHECK(report["places"][0][field] == begin[field]);
   REQUIRE(fs::exists(folder / "path_0001.json"));
   REQUIRE(fs::exists(folder / "view_0001.png"));
   const json path = json::parse(readTextFile(folder / "path_0001.json"));
@@ -491,6 +493,77 @@ TEST_CASE("a bounded view stays near the photographs") {
     return glm::length(positionOf(report["places"][0]));
   };
   CHECK(away(true) < 0.6 * away(false));
+}
+
+TEST_CASE("the middle button goes round the point that it is pressed on") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({test::tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  CHECK(begin["centre"].is_null());
+  const json place = whileViewing({test::tinyScene(), "--size", "320x240"}, [](const std::string& w) {
+    xdotool({"mousemove", "--window", w, "60", "120"});
+    sleepFor(0.2);
+    xdotool({"mousedown", "2"});
+    sleepFor(0.5);
+    for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "4", "0"});
+    xdotool({"mouseup", "2"});
+    sleepFor(0.3);
+  })["places"][0];
+  REQUIRE(!place["centre"].is_null());
+  const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
+  const glm::dvec3 from = positionOf(begin), to = positionOf(place);
+  // The wall is 5 ahead; the pointer was left of the middle.
+  const glm::dvec3 seen = glm::conjugate(rotationOf(begin)) * (centre - from);
+  const double focal = 120 / std::tan(0.5 * begin["fovY"].get<double>());
+  CHECK(seen.z == Approx(-5).epsilon(0.05));
+  CHECK(seen.x / -seen.z == Approx((60.5 - 160) / focal).margin(1 / focal));
+  CHECK(glm::distance(centre, to) == Approx(glm::distance(centre, from)));
+  CHECK(glm::distance(from, to) > 0.2);
+}
+
+TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  whileViewing({test::tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
+    hold("s", 0.6);
+    sleepFor(0.8);
+    xdotool({"key", "p"});
+    sleepFor(0.8);
+    xdotool({"key", "g"});
+    sleepFor(0.3);
+    xdotool({"key", "p"});
+    sleepFor(1);
+  });
+  const auto redrawn = [&](const char* shot, std::vector<std::string> further) {
+    further.insert(further.begin(),
+                   {"render", test::tinyScene(), "--poses", folder / shot, "-o", folder / "again", "--json", "-"});
+    const auto outcome = test::runProgram(further);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return readFile(json::parse(outcome.out)["views"][0]["file"].get<std::string>());
+  };
+  CHECK(bool(redrawn("view_0001.png", {}) == readFile(folder / "view_0001.png")));
+  CHECK(bool(redrawn("view_0002.png", {"--graph"}) == readFile(folder / "view_0002.png")));
+  CHECK(difference(readImage(folder / "view_0001.png"), readImage(folder / "view_0002.png"), 30).shareAbove > 0.005);
+}
+
+TEST_CASE("a view that stands says how far it may be trusted") {
+  if (!canView()) return;
+  const auto trustAfter = [](const char* key, double seconds) {
+    return whileViewing({test::tinyScene(), "--size", "320x240"}, [&](const std::string&) {
+      if (seconds > 0) hold(key, seconds);
+      sleepFor(2);
+    })["places"][0]["trust"];
+  };
+  const json at = trustAfter("", 0), away = trustAfter("s", 2.5);
+  REQUIRE(at.is_object());
+  REQUIRE(away.is_object());
+  double sum = 0;
+  for (const json& share : at["tiers"]) sum += share.get<double>();
+  CHECK(sum == Approx(1));
+  CHECK(at["tiers"][0] > 0.4);
+  CHECK(at["extrapolation"] < 0.1);
+  CHECK((away["extrapolation"].is_null() || away["extrapolation"] > 0.5));  // null: infinite, no cell is near
+  CHECK(away["tiers"][0] < at["tiers"][0]);
 }
 
 TEST_CASE("places are closed, by key and by their tab's cross, until none is left") {
