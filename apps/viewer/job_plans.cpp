@@ -5,9 +5,8 @@
 
 #include <cctype>
 
-#include "shared/htm_settings.h"
 #include "shared/setting_words.h"
-#include "shared/settings.h"
+#include "viewer/screenshot.h"
 
 namespace fs = std::filesystem;
 
@@ -38,9 +37,8 @@ Words posesIn(const fs::path& folder) {
 }
 
 // Of `ibr render`.
-Words settingsOf(const Place& place, const GpuSceneOptions& gpuScene) {
-  if (place.scene) return settingWords(pictureSettingsJson(place.settings, gpuScene, 0));
-  Words words = settingWords(htmSettingsJson(place.htmSettings, false));
+Words wordsOf(const Place& place, const GpuSceneOptions& gpuScene) {
+  Words words = settingWords(settingsOf(place, gpuScene));
   if (place.video && !place.playing) append(words, {"--time", fmt::format("{}", place.time)});
   return words;
 }
@@ -93,7 +91,7 @@ JobPlan videoPlan(const Place& place, const fs::path& cameraPath, const GpuScene
   const fs::path pictures = fs::path(cameraPath).replace_extension(), video = pictures.string() + ".mp4";
   Words render{ibrProgram().string(), "render", place.path.string(), "--poses",
                cameraPath.string(),   "-o",     pictures.string()};
-  append(render, settingsOf(place, gpuScene));
+  append(render, wordsOf(place, gpuScene));
   if (!device.empty()) append(render, {"--device", device});
   JobPlan plan{.name = video.filename().string(), .steps = {{"begins", std::move(render)}}, .done = {}, .opens = {}};
   if (isOnPath("ffmpeg")) {

@@ -11,10 +11,10 @@
 #include "ibr/error.h"
 #include "shared/context.h"
 #include "shared/exit_code.h"
-#include "shared/htm_settings.h"
 #include "shared/options.h"
 #include "shared/settings.h"
 #include "viewer/folders.h"
+#include "viewer/screenshot.h"
 #include "viewer/session.h"
 
 namespace fs = std::filesystem;
@@ -107,8 +107,7 @@ std::string report(const Viewer& viewer, const Window& window) {
                       {"fovY", place->walk.fovY},
                       {"centre", centre ? Json{centre->x, centre->y, centre->z} : Json()},
                       {"trust", trustJson(*place)},
-                      {"settings", place->scene ? pictureSettingsJson(place->settings, {}, 0)
-                                                : htmSettingsJson(place->htmSettings, false)}});
+                      {"settings", settingsOf(*place, {})}});
   }
   const VkExtent2D size = window.pixels();
   Json warnings = Json::array(), said = Json::array();

@@ -21,15 +21,19 @@ fs::path freeFile(const fs::path& folder, const char* name, const char* extensio
   }
 }
 
+nlohmann::ordered_json settingsOf(const Place& place, const GpuSceneOptions& gpuScene) {
+  nlohmann::ordered_json settings =
+      place.scene ? pictureSettingsJson(place.settings, gpuScene, 0) : htmSettingsJson(place.htmSettings, false);
+  settings["graph"] = place.showGraph;
+  return settings;
+}
+
 void writeScreenshot(const fs::path& file, const Image8& image, const Place& place, VkExtent2D extent,
                      const GpuSceneOptions& gpuScene) {
   if (file.has_parent_path()) makeFolders(file.parent_path());
   const Camera camera = cameraOf(place, extent);
-  nlohmann::ordered_json settings =
-      place.scene ? pictureSettingsJson(place.settings, gpuScene, 0) : htmSettingsJson(place.htmSettings, false);
-  settings["graph"] = place.showGraph;
   const std::optional<double> time = place.video ? std::optional(place.time) : std::nullopt;
-  writePicture(file, place.scene ? rgb(image) : image, {camera, time, settings});
+  writePicture(file, place.scene ? rgb(image) : image, {camera, time, settingsOf(place, gpuScene)});
 }
 
 }  // namespace ibr::app

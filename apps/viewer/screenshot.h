@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "ibr/gpu_scene.h"
 #include "ibr/image.h"
@@ -12,6 +13,9 @@ namespace ibr::app {
 
 /// FOLDER/NAME_0001.png, say, or the first such number that is free: no video and no folder has it either.
 std::filesystem::path freeFile(const std::filesystem::path& folder, const char* name, const char* extension);
+
+/// All that makes one picture of a view of the place, as `ibr render` reports it.
+nlohmann::ordered_json settingsOf(const Place& place, const GpuSceneOptions& gpuScene);
 
 /// Writes what `ibr render` writes for the same view and settings. Throws Error{io}.
 void writeScreenshot(const std::filesystem::path& file, const Image8& image, const Place& place, VkExtent2D extent,
