@@ -499,8 +499,8 @@ TEST_CASE("the middle button goes round the point that it is pressed on") {
   if (!canView()) return;
   const auto begin = json::parse(view({test::tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
   CHECK(begin["centre"].is_null());
-  const json place = whileViewing({test::tinyScene(), "--size", "320x240"}, [](const std::string& w) {
-    xdotool({"mousemove", "--window", w, "60", "120"});
+  const json place = whileViewing({test::tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
+    xdotool({"mousemove", "--window", w, "203", "113"});
     sleepFor(0.2);
     xdotool({"mousedown", "2"});
     sleepFor(0.5);
@@ -511,11 +511,11 @@ TEST_CASE("the middle button goes round the point that it is pressed on") {
   REQUIRE(!place["centre"].is_null());
   const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
   const glm::dvec3 from = positionOf(begin), to = positionOf(place);
-  // The wall is 5 ahead; the pointer was left of the middle.
+  // The board is 3.5 ahead, the wall around it 5.
   const glm::dvec3 seen = glm::conjugate(rotationOf(begin)) * (centre - from);
   const double focal = 120 / std::tan(0.5 * begin["fovY"].get<double>());
-  CHECK(seen.z == Approx(-5).epsilon(0.05));
-  CHECK(seen.x / -seen.z == Approx((60.5 - 160) / focal).margin(1 / focal));
+  CHECK(seen.z == Approx(-3.5).epsilon(0.05));
+  CHECK(seen.x / -seen.z == Approx((203.5 - 160) / focal).margin(1 / focal));
   CHECK(glm::distance(centre, to) == Approx(glm::distance(centre, from)));
   CHECK(glm::distance(from, to) > 0.2);
 }
@@ -548,21 +548,22 @@ TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
 
 TEST_CASE("a view that stands says how far it may be trusted") {
   if (!canView()) return;
-  const auto trustAfter = [](const char* key, double seconds) {
+  const auto after = [](const char* key, double seconds) {
     return whileViewing({test::tinyScene(), "--size", "320x240"}, [&](const std::string&) {
       if (seconds > 0) hold(key, seconds);
       sleepFor(2);
-    })["places"][0]["trust"];
+    })["places"][0];
   };
-  const json at = trustAfter("", 0), away = trustAfter("s", 2.5);
-  REQUIRE(at.is_object());
-  REQUIRE(away.is_object());
+  const json at = after("", 0)["trust"], behind = after("s", 0.4), away = after("s", 2.5)["trust"];
+  for (const json& trust : {at, behind["trust"], away}) REQUIRE(trust.is_object());
   double sum = 0;
   for (const json& share : at["tiers"]) sum += share.get<double>();
   CHECK(sum == Approx(1));
   CHECK(at["tiers"][0] > 0.4);
-  CHECK(at["extrapolation"] < 0.1);
-  CHECK((away["extrapolation"].is_null() || away["extrapolation"] > 0.5));  // null: infinite, no cell is near
+  CHECK(at["extrapolation"] < 1e-6);
+  // The photographs stand in the plane z = 0, the furthest two half a unit apart.
+  CHECK(behind["trust"]["extrapolation"] == Approx(positionOf(behind).z / 0.5).epsilon(1e-6));
+  CHECK(away["extrapolation"].is_null());  // infinite: no cell is near
   CHECK(away["tiers"][0] < at["tiers"][0]);
 }
 
