@@ -204,7 +204,9 @@ bool control(Viewer& viewer, Place& place, double seconds) {
     place.walk.pose = shown.pose;
     place.walk.fovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
     place.routeTime += seconds;
-    goesOn = place.showingRoute = place.route.keys.front().time + place.routeTime < last.time;
+    const double whole = last.time - place.route.keys.front().time;
+    if (place.repeatingRoute && whole > 0) place.routeTime = std::fmod(place.routeTime, whole);
+    goesOn = place.showingRoute = place.routeTime < whole;
   } else {
     place.showingRoute = false;
   }

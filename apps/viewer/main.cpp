@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program `ibr-viewer`: walk through photographs in a window.
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -13,6 +17,7 @@
 #include "shared/exit_code.h"
 #include "shared/options.h"
 #include "shared/settings.h"
+#include "shared/statistics.h"
 #include "viewer/folders.h"
 #include "viewer/screenshot.h"
 #include "viewer/session.h"
@@ -29,7 +34,7 @@ struct Options {
   SessionOptions session;
   std::vector<std::string> places;
   PictureSize size{1280, 720};
-  std::string screenshot, screenshots = picturesFolder().string(), shaders;
+  std::string screenshot, screenshots = picturesFolder().string(), shaders, path;
   RenderSettings settings;
   bool bare = false;
   bool forget = false;
@@ -50,6 +55,8 @@ void declare(CLI::App& app, Options& o) {
          [&o](const std::string& text) { o.session.interfaceScale = parsedDouble("--interface-scale", text, 0.5, 8); },
          "Panels and letters so much larger than at 96 dpi [as the monitor asks for]")
       ->type_name("X");
+  app.add_option("--path", o.path, "A camera path (ctrl S writes one): the first place shows it, again and again")
+      ->type_name("FILE");
   app.add_flag("--no-interface", o.bare, "Begins with the interface hidden (F2 shows it)");
   app.add_flag("--forget", o.forget,
                "Nothing is taken from the last time or kept for the next: panels' places, pipelines");
@@ -93,6 +100,24 @@ nlohmann::ordered_json trustJson(const Place& place) {
           {"extrapolation", place.trust->extrapolation}};
 }
 
+// Of the last frames that followed one another, and of the first.
+nlohmann::ordered_json timesJson(const Viewer& viewer) {
+  using Json = nlohmann::ordered_json;
+  std::vector<double> frames;
+  for (std::size_t back = 0; back < std::min(viewer.frames, FrameHistory::kLength); ++back)
+    if (const float ms = viewer.history.of(viewer.frames - back).sinceLast; !std::isnan(ms))
+      frames.push_back(double(ms));
+  return {{"firstPicture", viewer.firstPicture ? Json(*viewer.firstPicture) : Json()},  // s
+          {"framesMs", {{"count", frames.size()}, {"p50", quantile(frames, 0.5)}, {"p95", quantile(frames, 0.95)}}}};
+}
+
+// The most that was ever resident, bytes.
+std::uint64_t residentBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::uint64_t(usage.ru_maxrss) * 1024;
+}
+
 std::string report(const Viewer& viewer, const Window& window) {
   using Json = nlohmann::ordered_json;
   Json places = Json::array();
@@ -112,13 +137,16 @@ std::string report(const Viewer& viewer, const Window& window) {
   const VkExtent2D size = window.pixels();
   Json warnings = Json::array(), said = Json::array();
   for (const LogLine& line : viewer.log) (line.level >= LogLevel::warning ? warnings : said).push_back(line.text);
-  return Json{{"frames", viewer.frames},     {"size", {size.width, size.height}}, {"current", viewer.current},
-              {"places", std::move(places)}, {"warnings", std::move(warnings)},   {"said", std::move(said)}}
+  return Json{{"frames", viewer.frames},          {"size", {size.width, size.height}},
+              {"current", viewer.current},        {"times", timesJson(viewer)},
+              {"residentBytes", residentBytes()}, {"places", std::move(places)},
+              {"warnings", std::move(warnings)},  {"said", std::move(said)}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 ExitCode run(int argc, char** argv) {
   Options o;
+  o.session.begun = std::chrono::steady_clock::now();
   CLI::App app(
       "Examples:\n"
       "  ibr-viewer scene\n"
@@ -152,6 +180,7 @@ ExitCode run(int argc, char** argv) {
   Viewer viewer;
   viewer.mirror = context.log();
   viewer.first = o.settings;
+  if (!o.path.empty()) viewer.firstRoute = readCameraPath(o.path);
   viewer.showInterface = !o.bare;
   for (const std::string& path : o.places) viewer.open(path);
   showPlaces(window, interface, viewer, o.session);

@@ -24,6 +24,7 @@ void showRoute(PanelInput& input) {
   ImGui::SameLine();
   if (ImGui::Button("video (ctrl M)")) input.viewer.wantsVideo = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Made beside the viewer, of the window's size, as it is drawn now");
+  ImGui::Checkbox("again and again", &place.repeatingRoute);
   if (route.keys.empty()) {
     ImGui::TextWrapped(
         "Keys are put where the view is; the camera goes from each to the next along a spline. What is saved, "

@@ -42,15 +42,15 @@ constexpr std::array kTiers{TierLine{"all photographs agree", IM_COL32(0, 158, 1
                             TierLine{"invented, or nothing", IM_COL32(90, 90, 90, 255)}};
 
 // Of what the picture is made, as a bar.
-void showTrust(const Place& place) {
+void showTrust(const std::optional<Trust>& trust) {
   const float height = 0.8f * ImGui::GetFontSize();
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, {at.x + width, at.y + height}, IM_COL32(60, 60, 60, 255));
   float x = at.x;
-  for (std::size_t tier = 0; place.trust && tier < kTiers.size(); ++tier) {
-    const float share = width * float(place.trust->tiers[tier]);
+  for (std::size_t tier = 0; trust && tier < kTiers.size(); ++tier) {
+    const float share = width * float(trust->tiers[tier]);
     list.AddRectFilled({x, at.y}, {x + share, at.y + height}, kTiers[tier].colour);
     x += share;
   }
@@ -59,21 +59,21 @@ void showTrust(const Place& place) {
     ImGui::BeginTooltip();
     for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
       ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kTiers[tier].colour), "%5.1f %% %s",
-                         place.trust ? 100 * place.trust->tiers[tier] : 0.0, kTiers[tier].name);
+                         trust ? 100 * trust->tiers[tier] : 0.0, kTiers[tier].name);
     ImGui::EndTooltip();
   }
-  if (!place.trust) {
+  if (!trust) {
     ImGui::TextDisabled("how far this view may be trusted: once it stands");
     return;
   }
-  const Trust& trust = *place.trust;
-  const auto line = [](const std::string& words) { ImGui::TextUnformatted(words.c_str()); };
-  line(fmt::format("{:.0f} % of it agrees in all photographs", 100 * trust.tiers[0]));
-  line(std::isfinite(trust.depthError) ? fmt::format("depth +-{:.1f} %", 100 * trust.depthError) : "depth unknown");
-  ImGui::SameLine();
-  line(!std::isfinite(trust.extrapolation) ? ", no cell is near"
-       : trust.extrapolation > 0           ? fmt::format(", {:.2f} cell sizes outside the best", trust.extrapolation)
-                                           : ", inside the best cell");
+  const std::string depth =
+      std::isfinite(trust->depthError) ? fmt::format("depth ±{:.1f} %", 100 * trust->depthError) : "depth unknown";
+  const std::string place = !std::isfinite(trust->extrapolation) ? "no cell is near"
+                            : trust->extrapolation > 0
+                                ? fmt::format("{:.2f} cells outside the best", trust->extrapolation)
+                                : "inside the best cell";
+  ImGui::TextUnformatted(
+      fmt::format("{:.0f} % of it agrees in all photographs\n{}, {}", 100 * trust->tiers[0], depth, place).c_str());
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ void showView(PanelInput& input) {
   if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s", ImGuiSliderFlags_Logarithmic))
     place.walk.speed = double(speed) * place.step;
   showRoaming(place);
-  if (place.scene) showTrust(place);
+  if (place.scene) showTrust(place.trust);
   if (ImGui::Checkbox("frusta and cells (G)", &place.showGraph)) place.changed = true;
   if (ImGui::Button("screenshot")) viewer.wantsScreenshot = true;
   ImGui::SameLine();

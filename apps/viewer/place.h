@@ -44,7 +44,7 @@ struct Place {
   bool bounded = false;                 // the camera stays within `bounds`
   CameraPath route{1280, 720, 30, {}};  // recorded key by key; the size is that of the window it is saved from
   double routeTime = 0;                 // s, while it is shown
-  bool showingRoute = false;
+  bool showingRoute = false, repeatingRoute = false;
   RenderSettings settings;
   HtmSettings htmSettings;
   double time = 0;  // s, of 3D video

@@ -232,6 +232,10 @@ bool Session::draw() {
   }
   if (!swapchain_.end(*frame)) redraws_ = std::max(redraws_, 1);
   const Place* shown = viewer_.place();
+  if (shown && !viewer_.firstPicture) {
+    vkDeviceWaitIdle(device_.handle());
+    viewer_.firstPicture = std::chrono::duration<double>(std::chrono::steady_clock::now() - options_.begun).count();
+  }
   window_.setTitle(shown ? shown->name + " - ibr" : "ibr");
   grantWishes();
   return true;

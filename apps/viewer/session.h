@@ -28,10 +28,11 @@ struct SessionOptions {
   // took no formats but sRGB.
   std::size_t loseAtFrame = 0, loseSurfaceAtFrame = 0;
   bool onlySrgb = false;
-  int frames = 0;                     // to show before it ends; 0: until the window is closed
-  std::filesystem::path screenshot;   // written at the end; empty: none
-  std::filesystem::path shaders;      // of a source tree: edits show while the viewer runs; empty: none
-  std::filesystem::path screenshots;  // folder for those that are asked for, camera paths and videos
+  std::chrono::steady_clock::time_point begun{};  // the program
+  int frames = 0;                                 // to show before it ends; 0: until the window is closed
+  std::filesystem::path screenshot;               // written at the end; empty: none
+  std::filesystem::path shaders;                  // of a source tree: edits show while the viewer runs; empty: none
+  std::filesystem::path screenshots;              // folder for those that are asked for, camera paths and videos
 };
 
 class Session {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "ibr/asset.h"
 #include "ibr/error.h"
@@ -61,6 +62,11 @@ bool Viewer::takeOpened() {
       places.push_back(std::make_unique<Place>(done.place.get()));
       current = places.size() - 1;
       place()->settings = first;
+      if (firstRoute) {
+        place()->route = *std::exchange(firstRoute, std::nullopt);
+        place()->repeatingRoute = true;
+        place()->showRoute();
+      }
       say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
     } catch (const std::exception& e) {
       say(LogLevel::error, e.what());

@@ -37,8 +37,9 @@ struct Viewer {
   std::vector<Opening> opening;
   std::vector<std::unique_ptr<Job>> jobs;
   std::deque<LogLine> log;
-  LogCallback mirror;    // also gets what is said
-  RenderSettings first;  // of scenes when they are opened
+  LogCallback mirror;                    // also gets what is said
+  RenderSettings first;                  // of scenes when they are opened
+  std::optional<CameraPath> firstRoute;  // shown, again and again, of the first place that is opened
 
   bool showInterface = true;    // F2
   bool showHelp = false;        // F1
@@ -59,8 +60,9 @@ struct Viewer {
   // Of the last frames.
   std::vector<ScopeTime> deviceTimes;
   FrameHistory history;
-  std::size_t frames = 0;  // drawn
-  bool failed = false;     // something could not be opened or drawn
+  std::optional<double> firstPicture;  // s, from the program's start until the device had drawn a place
+  std::size_t frames = 0;              // drawn
+  bool failed = false;                 // something could not be opened or drawn
 
   Place* place() { return current < places.size() ? places[current].get() : nullptr; }
 

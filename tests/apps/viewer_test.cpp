@@ -546,6 +546,35 @@ TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
   CHECK(difference(readImage(folder / "view_0001.png"), readImage(folder / "view_0002.png"), 30).shareAbove > 0.005);
 }
 
+TEST_CASE("a camera path is shown from the start, again and again") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const json rotation{0.0, 0.0, 0.0, 1.0};
+  writeFile(folder / "path.json",
+            json{{"version", 1},
+                 {"size", {320, 240}},
+                 {"fps", 30},
+                 {"keys",
+                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
+                   {{"time", 0.2}, {"position", {7.1, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
+                .dump());
+  const auto outcome = view({test::tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--frames", "60"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  const glm::dvec3 at = positionOf(report["places"][0]);
+  CHECK(at.x >= 7);
+  CHECK(at.x <= 7.1);
+  CHECK(report["places"][0]["fovY"] == Approx(0.8));
+  CHECK(report["frames"] >= 60);  // it would have come to rest after the fifth of a second that it takes
+  CHECK(report["times"]["framesMs"]["count"] > 50);
+  CHECK(report["times"]["firstPicture"] > 0);
+  writeFile(folder / "path.json", "{}");
+  const auto bad = view({test::tinyScene(), "--path", folder / "path.json", "--frames", "2"});
+  CHECK(bad.code != 0);
+  CHECK_THAT(bad.err, Contains("path.json"));
+}
+
 TEST_CASE("a view that stands says how far it may be trusted") {
   if (!canView()) return;
   const auto after = [](const char* key, double seconds) {
