@@ -60,8 +60,7 @@ void declareSceneOptions(CLI::App& app, Options& options) {
          "A grid so far below the photographs, in world units, where none of them shows anything")
       ->type_name("METRES");
   declareSettings(app, options.settings);  // --preset among them, which comes before all other settings
-  app.add_flag("--wireframe", options.settings.wireframe,
-               "Edges of the triangles over the picture, the better a cell's rank the lighter");
+  declareOverlays(app, options.settings);
   declareGpuScene(app, options.gpuScene);
 }
 
@@ -84,6 +83,7 @@ ExitCode renderHarmonised(const Options& options, const Context& context) {
 ExitCode renderViews(const Options& options, const Context& context) {
   if (isHarmonised(assetKind(options.scene))) return renderHarmonised(options, context);
   const Scene scene = loadScene(options.scene);
+  checkCells(options.settings, scene);
   RenderSettings settings = options.settings;
   if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
   const bool isPath = options.poses.empty() || isWalk(options.poses);
@@ -99,6 +99,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
 
   RendererOptions wanted = optionsFor(settings, {});
   wanted.views = options.stereo ? 2 : 1;
+  wanted.uncertainties = &scene;
   if (options.buffers) wanted.buffers = &scene;
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
   if (options.graph) renderer.showGraph();
@@ -208,8 +209,7 @@ const Command kRenderCommand{
           checkHtmViews(options->htm, kind);
         }
         if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
-        if (options->settings.wireframe && optionsFor(options->settings, {}).colour == ColourSupport::all)
-          throw CLI::ValidationError("--wireframe", "does not go with the paper's ways of --colour");
+        checkOverlays(options->settings);
       });
       return [options](const Context& context) { return renderViews(*options, context); };
     }};

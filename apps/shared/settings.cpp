@@ -3,13 +3,39 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "base/check.h"
 #include "shared/options.h"
 
 namespace ibr::app {
 
+namespace {
+
+static_assert([] {
+  for (std::size_t i = 0; i < kOverlays.size(); ++i)
+    if (std::size_t(kOverlays[i].overlay) != i) return false;
+  return true;
+}());
+
+// "3,7"
+std::vector<std::uint32_t> parsedCells(const std::string& option, const std::string& text) {
+  std::vector<std::uint32_t> cells;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    cells.push_back(std::uint32_t(parsedInt(option, text.substr(from, comma - from), 0, 1000000000)));
+    from = comma + 1;
+  }
+  return cells;
+}
+
+}  // namespace
+
 RenderSettings presetOver(const RenderSettings& settings, Preset preset) {
   RenderSettings chosen = ibr::preset(preset);
-  chosen.wireframe = settings.wireframe;
+  chosen.overlay = settings.overlay;
+  chosen.mutedCells = settings.mutedCells;
+  chosen.soloCells = settings.soloCells;
   return chosen;
 }
 
@@ -73,6 +99,43 @@ void declareSettings(CLI::App& app, RenderSettings& settings) {
       }(),
       "Colours of all cells adapt to the main cell's: tables from a proxy, or the paper's sequence, whose tables are\n"
       "applied to all pixels or by drawing again [off]");
+}
+
+void declareOverlays(CLI::App& app, RenderSettings& settings) {
+  std::vector<std::pair<std::string, Overlay>> choices;
+  std::string description = "What is shown over the picture or in its place [none]:";
+  for (const OverlayWord& line : kOverlays) {
+    choices.emplace_back(line.word, line.overlay);
+    if (line.overlay != Overlay::none) description += fmt::format("\n{}: {}", line.word, line.shows);
+  }
+  addChoice<Overlay>(app, "--overlay", settings.overlay, std::move(choices), description)->type_name("NAME");
+  const auto cells = [&app](const char* name, std::vector<std::uint32_t>& value, const char* what) {
+    app.add_option_function<std::string>(
+           name, [name, &value](const std::string& text) { value = parsedCells(name, text); }, what)
+        ->type_name("N,N…");
+  };
+  cells("--mute", settings.mutedCells, "Never draw these cells");
+  cells("--solo", settings.soloCells, "Draw these cells alone, without backdrops");
+}
+
+bool overlaysGoWith(const RenderSettings& settings) {
+  return optionsFor(settings, {}).colour != ColourSupport::all;
+}
+
+void checkOverlays(const RenderSettings& settings) {
+  if (settings.overlay != Overlay::none && !overlaysGoWith(settings))
+    throw CLI::ValidationError("--overlay", "does not go with the paper's ways of --colour");
+}
+
+void checkCells(const RenderSettings& settings, const Scene& scene) {
+  const std::size_t n = scene.cells.size();
+  for (const auto& [name, cells] : {std::pair{"--mute", &settings.mutedCells}, {"--solo", &settings.soloCells}})
+    for (const std::uint32_t cell : *cells)
+      check(cell<n, ErrorCode::invalidInput, "{} {}: the scene has {} cells, 0 to {}", name, cell, n, n> 0 ? n - 1 : 0);
+}
+
+const OverlayWord& wordOf(Overlay overlay) {
+  return kOverlays[std::size_t(overlay)];
 }
 
 const char* wordOf(ColourMapping mapping) {
@@ -143,10 +206,13 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
 
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
                                            double eyeHeight) {
-  nlohmann::ordered_json json = settingsJson(settings, gpuScene), floor;
+  nlohmann::ordered_json json = settingsJson(settings, gpuScene), floor, overlay;
   if (eyeHeight > 0) floor = eyeHeight;
+  if (settings.overlay != Overlay::none) overlay = wordOf(settings.overlay).word;
   json["floor"] = floor;
-  json["wireframe"] = settings.wireframe;
+  json["overlay"] = overlay;
+  json["mute"] = settings.mutedCells;
+  json["solo"] = settings.soloCells;
   return json;
 }
 

@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "shared/settings.h"
+
 namespace ibr::app {
 namespace {
 
@@ -31,6 +33,7 @@ constexpr std::array kKeys{
     KeyHelp{"K, J", "key of a camera path here; show the path"},
     KeyHelp{"ctrl S", "save the path, as ibr render --poses takes it"},
     KeyHelp{"ctrl M", "make a video of the path"},
+    KeyHelp{"O", "next overlay: wireframe, depth, …; with shift the one before"},
     KeyHelp{"P", "screenshot"},
     KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},
     KeyHelp{"F1", "this help"},
@@ -86,9 +89,18 @@ void goTo(Place& place, std::optional<std::size_t> viewpoint) {
   if (viewpoint) place.flyToViewpoint(*viewpoint);
 }
 
+void turnOverlays(Place& place, bool back) {
+  if (!place.scene || !overlaysGoWith(place.settings)) return;
+  const std::size_t n = kOverlays.size();
+  place.settings.overlay = kOverlays[(std::size_t(place.settings.overlay) + (back ? n - 1 : 1)) % n].overlay;
+  place.changed = true;
+}
+
 // Those about the place that is shown.
-void pressInPlace(Viewer& viewer, Place& place, int key) {
-  switch (key) {
+void pressInPlace(Viewer& viewer, Place& place, const KeyPress& press) {
+  switch (press.key) {
+    case GLFW_KEY_O:
+      return turnOverlays(place, press.shift);
     case GLFW_KEY_RIGHT_BRACKET:
       return goTo(place, nextCamera(place.poses(), place.walk.pose, 1));
     case GLFW_KEY_LEFT_BRACKET:
@@ -178,7 +190,7 @@ void pressOne(Viewer& viewer, const KeyPress& press) {
     viewer.shownPanel = std::size_t(press.key - GLFW_KEY_1);
     viewer.showInterface = true;
   }
-  if (Place* place = viewer.place()) pressInPlace(viewer, *place, press.key);
+  if (Place* place = viewer.place()) pressInPlace(viewer, *place, press);
 }
 
 }  // namespace

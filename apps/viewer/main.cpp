@@ -68,6 +68,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("--only-srgb", o.session.onlySrgb)->group("");
   inGroup(app, "Scenes", [&] {
     declareSettings(app, o.settings);
+    declareOverlays(app, o.settings);
     declareGpuScene(app, o.session.gpuScene);
   });
   declareCommonOptions(app, o.common);
@@ -157,6 +158,7 @@ ExitCode run(int argc, char** argv) {
   declare(app, o);
   try {
     app.parse(argc, argv);
+    checkOverlays(o.settings);
   } catch (const CLI::Success& e) {
     std::fputs(
         dynamic_cast<const CLI::CallForVersion*>(&e) ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(),

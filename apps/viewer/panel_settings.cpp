@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "shared/settings.h"
 #include "viewer/panels.h"
 
 namespace ibr::app {
@@ -45,6 +46,21 @@ bool count(const char* label, std::uint32_t& value, int low, int high, const cha
   return changed;
 }
 
+bool chooseOverlay(RenderSettings& s) {
+  bool changed = false;
+  ImGui::BeginDisabled(!overlaysGoWith(s));
+  if (ImGui::BeginCombo("overlay", wordOf(s.overlay).word)) {
+    for (const OverlayWord& line : kOverlays) {
+      if (ImGui::Selectable(line.word, line.overlay == s.overlay)) s.overlay = line.overlay, changed = true;
+      hint(line.shows);
+    }
+    ImGui::EndCombo();
+  }
+  hint("What is shown over the picture or in its place (O)");
+  ImGui::EndDisabled();
+  return changed;
+}
+
 bool sceneSettings(RenderSettings& s) {
   bool changed = false;
   using Blend = std::pair<const char*, BlendMode>;
@@ -70,8 +86,7 @@ bool sceneSettings(RenderSettings& s) {
   changed |= slide("render scale", s.renderScale, 0.25, 2, "%.2f", "Below 1: faster and softer");
   changed |=
       slide("texture scale", s.textureScale, 0.125, 2, "%.2f", "Below 1: coarser photographs, less memory traffic");
-  changed |= ImGui::Checkbox("wireframe", &s.wireframe);
-  hint("Edges of the triangles, the better their cell's rank the lighter");
+  changed |= chooseOverlay(s);
   return changed;
 }
 

@@ -9,6 +9,7 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
+#include "shared/overlay.h"
 #include "viewer/panels.h"
 
 namespace ibr::app {
@@ -32,14 +33,13 @@ void showRoaming(Place& place) {
     ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
 }
 
-struct TierLine {
-  const char* name;
-  ImU32 colour;  // Okabe and Ito 2008, which colour-blind people tell apart
-};
-constexpr std::array kTiers{TierLine{"all photographs agree", IM_COL32(0, 158, 115, 255)},
-                            TierLine{"from one photograph", IM_COL32(86, 180, 233, 255)},
-                            TierLine{"from a backdrop", IM_COL32(230, 159, 0, 255)},
-                            TierLine{"invented, or nothing", IM_COL32(90, 90, 90, 255)}};
+constexpr std::array kTiers{"all photographs agree", "from one photograph", "from a backdrop", "invented, or nothing"};
+
+// As Overlay::tiers shows it.
+ImVec4 colourOf(std::size_t tier) {
+  const glm::vec3 colour = shader::tierColour(std::uint32_t(tier));
+  return {colour.x, colour.y, colour.z, 1};
+}
 
 // Of what the picture is made, as a bar.
 void showTrust(const std::optional<Trust>& trust) {
@@ -51,15 +51,15 @@ void showTrust(const std::optional<Trust>& trust) {
   float x = at.x;
   for (std::size_t tier = 0; trust && tier < kTiers.size(); ++tier) {
     const float share = width * float(trust->tiers[tier]);
-    list.AddRectFilled({x, at.y}, {x + share, at.y + height}, kTiers[tier].colour);
+    list.AddRectFilled({x, at.y}, {x + share, at.y + height}, ImGui::ColorConvertFloat4ToU32(colourOf(tier)));
     x += share;
   }
   ImGui::Dummy({width, height});
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(kTiers[tier].colour), "%5.1f %% %s",
-                         trust ? 100 * trust->tiers[tier] : 0.0, kTiers[tier].name);
+      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0,
+                         kTiers[tier]);
     ImGui::EndTooltip();
   }
   if (!trust) {

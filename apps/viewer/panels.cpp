@@ -98,14 +98,14 @@ void showSidePanel(PanelInput& input) {
   ImGui::End();
 }
 
-void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys = ImGuiWindowFlags_NoNav) {
+}  // namespace
+
+void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys) {
   ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
   ImGui::Begin(name, nullptr,
                keys | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoMove);
 }
-
-}  // namespace
 
 void showAll(PanelInput& input) {
   Viewer& viewer = input.viewer;
@@ -114,6 +114,7 @@ void showAll(PanelInput& input) {
     if (viewer.place()) {
       showSidePanel(input);
       if (viewer.place() && viewer.place()->video) showTimeLine(input);
+      showLegend(input);
     } else {
       showWelcome(input);
     }

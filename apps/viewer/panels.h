@@ -2,6 +2,8 @@
 // What lies over the picture, a file a panel. Each shows and changes what the viewer knows; none touches a device.
 #pragma once
 
+#include <imgui.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -47,5 +49,11 @@ void showHelp(PanelInput& input);
 void showWelcome(PanelInput& input);  // nothing is open
 void showMessage(PanelInput& input);
 void showTimeLine(PanelInput& input);  // 3D video
+void showLegend(PanelInput& input);    // while there is an overlay
+
+/// A window that only says something; ImGui::End ends it.
+void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys = ImGuiWindowFlags_NoNav);
+/// A square of a display-encoded colour, as large as a letter.
+void swatch(glm::vec3 colour);
 
 }  // namespace ibr::app

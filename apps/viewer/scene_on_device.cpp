@@ -21,7 +21,7 @@ bool serves(const RendererOptions& has, const RendererOptions& needs) {
   };
   return has.largest.width >= needs.largest.width && has.largest.height >= needs.largest.height &&
          has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
-         has.wireframe >= needs.wireframe && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
+         within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
          has.largestScale >= needs.largestScale && within(needs.formats, has.formats) &&
          within(needs.orders, has.orders) && within(needs.blends, has.blends);
 }
@@ -43,8 +43,9 @@ class SceneOnDevice final : public PlaceOnDevice {
     }
     // Colours fade for longer than the order does.
     const RenderSettings& s = place_.settings;
-    const bool same = sameView(view, lastView_);
+    const bool same = sameView(view, lastView_) && s == lastSettings_;
     lastView_ = view;
+    lastSettings_ = s;
     quiet_ = same ? quiet_ + moment.seconds : 0;
     const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
     restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1;
@@ -56,7 +57,7 @@ class SceneOnDevice final : public PlaceOnDevice {
     const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, place_.settings, 0}, {});
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
-    const Renderer renderer(device_, gpuScene_, optionsFor(place_.settings, extent));
+    const Renderer renderer(device_, gpuScene_, needsOf(place_.settings, extent));
     return offscreen.render([&](VkCommandBuffer commands) {
       const Target target = offscreen.target();
       renderer.record(commands, plan, target);
@@ -69,7 +70,7 @@ class SceneOnDevice final : public PlaceOnDevice {
     const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, settings, 0}, {});
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
-    const Renderer renderer(device_, gpuScene_, optionsFor(settings, extent));
+    const Renderer renderer(device_, gpuScene_, needsOf(settings, extent));
     ScopeTimer timer(device_, 1);
     TimedPicture picture{};
     std::vector<double> times;
@@ -119,8 +120,15 @@ class SceneOnDevice final : public PlaceOnDevice {
   std::optional<GpuScene::Streamed> streamed() const override { return streamed_; }
 
  private:
+  RendererOptions needsOf(const RenderSettings& settings, VkExtent2D extent,
+                          VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+    RendererOptions options = optionsFor(settings, extent, format);
+    options.uncertainties = &*place_.scene;
+    return options;
+  }
+
   void prepare(const Target& target) {
-    const RendererOptions needed = optionsFor(place_.settings, target.extent, target.format);
+    const RendererOptions needed = needsOf(place_.settings, target.extent, target.format);
     if (renderer_ && serves(options_, needed)) return;
     vkDeviceWaitIdle(device_.handle());
     renderer_.reset();  // first, so that there is never memory for two
@@ -149,6 +157,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   FramePlan plan_;
   GpuScene::Streamed streamed_;
   Camera lastView_;
+  RenderSettings lastSettings_;
   double quiet_ = 0;
   bool restless_ = true;
 };

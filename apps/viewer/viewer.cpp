@@ -14,6 +14,15 @@
 namespace fs = std::filesystem;
 
 namespace ibr::app {
+namespace {
+
+// The first settings are those of all places; they may name cells that this one does not have.
+void keepCellsOf(const Scene& scene, RenderSettings& settings) {
+  for (std::vector<std::uint32_t>* cells : {&settings.mutedCells, &settings.soloCells})
+    std::erase_if(*cells, [&](std::uint32_t cell) { return cell >= scene.cells.size(); });
+}
+
+}  // namespace
 
 void Viewer::open(const fs::path& path) {
   std::error_code ignored;
@@ -67,6 +76,7 @@ bool Viewer::takeOpened() {
         place()->repeatingRoute = true;
         place()->showRoute();
       }
+      if (place()->scene) keepCellsOf(*place()->scene, place()->settings);
       say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
     } catch (const std::exception& e) {
       say(LogLevel::error, e.what());

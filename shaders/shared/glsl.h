@@ -25,6 +25,7 @@ using std::abs;
 using std::ceil;
 using std::clamp;
 using std::floor;
+using std::log2;
 using std::max;
 using std::min;
 using std::sqrt;

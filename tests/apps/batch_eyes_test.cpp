@@ -90,7 +90,7 @@ TEST_CASE("--fov: twice the focal length shows the middle of the picture, twice 
   CHECK(wrong < std::size_t(k.width * k.height) / 100);
 }
 
-TEST_CASE("--buffers writes what is known of every pixel, --wireframe and --floor change what is asked for") {
+TEST_CASE("--buffers writes what is known of every pixel, --overlay and --floor change what is asked for") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   test::writeColmapModel(folder / "poses", {{"view.jpg", between()}});
@@ -124,7 +124,7 @@ TEST_CASE("--buffers writes what is known of every pixel, --wireframe and --floo
   REQUIRE(render(folder / "poses", folder / "plain", {}).code == 0);
   CHECK(!fs::exists(folder / "plain/view.exr"));
   const Image8 plain = readImage(folder / "plain/view.png");
-  REQUIRE(render(folder / "poses", folder / "edges", {"--wireframe"}).code == 0);
+  REQUIRE(render(folder / "poses", folder / "edges", {"--overlay", "wireframe"}).code == 0);
   CHECK(!(readImage(folder / "edges/view.png") == plain));
   REQUIRE(render(folder / "poses", folder / "floor", {"--floor", "0.3", "--tiers", "0"}).code == 0);
 }

@@ -19,7 +19,7 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
   writeFile(folder / "path.json",
             R"({"version":1,"size":[64,48],"fps":1,"keys":[
                 {"time":0,"position":[0.31,0.02,-0.1],"rotation":[0.02,0.1,-0.03,0.9943],"fovY":0.8}]})");
-  const std::vector<std::string> settings{"--colour", "ours", "--cells", "2", "--floor", "1"};
+  const std::vector<std::string> settings{"--colour", "ours", "--cells", "2", "--floor", "1", "--mute", "0"};
   const auto render = [&](const fs::path& scene, const fs::path& poses, const char* out) {
     std::vector<std::string> line{"render", scene, "--poses", poses, "-o", folder / out};
     line.insert(line.end(), settings.begin(), settings.end());
@@ -38,13 +38,14 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
   const auto json = nlohmann::json::parse(info.out);
   CHECK(json.at("settings").at("cells") == 2);
   CHECK(json.at("settings").at("floor") == 1.0);
-  CHECK(json.at("settings").at("wireframe") == false);
+  CHECK(json.at("settings").at("overlay").is_null());
+  CHECK(json.at("settings").at("mute") == nlohmann::json::array({0}));
   CHECK(json.at("view").at("width") == 64);
   const std::string text = json.at("texts").at(0).at("text");
   CHECK_THAT(text, Contains("\"libibr\"") && !Contains("cene") && !Contains("frame_0000"));
   const auto shown = test::runProgram({"info", picture});
   CHECK_THAT(shown.out, Contains("--colour ours") && Contains("--cells 2") && Contains("--texture-scale 1.0") &&
-                            !Contains("--wireframe"));
+                            Contains("--mute 0") && !Contains("--overlay") && !Contains("--solo"));
 
   const auto other = test::runProgram({"render", test::tinyScene(), "--poses", picture, "-o", folder / "c"});
   CHECK(other.code == 0);  // the view is the picture's, settings are the command's
@@ -70,4 +71,15 @@ TEST_CASE("pictures that tell no view are refused as poses, and shown by info") 
   const auto broken = test::runProgram({"info", folder / "a.png"});
   CHECK(broken.code == 3);
   CHECK_THAT(broken.err, Contains("a.png") && Contains("not JSON"));
+}
+
+TEST_CASE("a cell that the scene does not have is named") {
+  test::TemporaryFolder folder;
+  for (const char* option : {"--mute", "--solo"}) {
+    const auto refused =
+        test::runProgram({"render", test::tinyScene(), "--path", "auto:2", "-o", folder / "out", option, "0,99"});
+    CHECK(refused.code == 3);
+    CHECK_THAT(refused.err, Contains(std::string(option) + " 99"));
+    CHECK(!fs::exists(folder / "out"));
+  }
 }

@@ -198,7 +198,7 @@ TEST_CASE("render refuses options of another kind of thing", "[video]") {
     CHECK_THAT(outcome.err, Contains(options[0] + ": is of"));
   };
   const std::vector<std::vector<std::string>> ofScenes{{"--stereo"},         {"--buffers"},   {"--floor", "1"},
-                                                       {"--preset", "fast"}, {"--wireframe"}, {"--filter", "bicubic"}};
+                                                       {"--preset", "fast"}, {"--mute", "1"}, {"--filter", "bicubic"}};
   for (const auto& options : ofScenes) {
     refused(video(), options);
     refused(video() / "frame0000", options);

@@ -219,12 +219,12 @@ TEST_CASE("what is asked for wins over a preset, wherever it stands") {
   test::TemporaryFolder folder;
   for (const bool before : {false, true}) {
     std::vector<std::string> line{"render", test::tinyScene(), "--path", "auto:2", "-o", folder / "out", "--json", "-"};
-    line.push_back(before ? "--wireframe" : "--preset");
-    line.push_back(before ? "--preset" : "fast");
-    line.push_back(before ? "fast" : "--wireframe");
+    for (const char* word : before ? std::array{"--overlay", "tiers", "--preset", "fast"}
+                                   : std::array{"--preset", "fast", "--overlay", "tiers"})
+      line.push_back(word);
     const auto outcome = runValidated(line);
     REQUIRE(outcome.code == 0);
-    CHECK(nlohmann::json::parse(outcome.out).at("settings").at("wireframe") == true);
+    CHECK(nlohmann::json::parse(outcome.out).at("settings").at("overlay") == "tiers");
   }
 }
 

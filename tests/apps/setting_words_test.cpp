@@ -22,10 +22,10 @@ void parse(CLI::App& app, std::vector<std::string> words) {
 }  // namespace
 
 TEST_CASE("settings are words: names of options, values to the last bit, and nothing for what is not there") {
-  const Json settings{{"cells", 3},       {"renderScale", 1.0 / 3}, {"wireframe", true},     {"graph", false},
+  const Json settings{{"cells", 3},       {"renderScale", 1.0 / 3}, {"stereo", true},        {"graph", false},
                       {"floor", nullptr}, {"blend", "mixed"},       {"mute", Json::array()}, {"solo", {7, 5}}};
   CHECK(settingWords(settings) == std::vector<std::string>{"--cells", "3", "--render-scale", "0.3333333333333333",
-                                                           "--wireframe", "--blend", "mixed", "--solo", "7,5"});
+                                                           "--stereo", "--blend", "mixed", "--solo", "7,5"});
 }
 
 TEST_CASE("a scene's settings come back from their words") {
@@ -67,6 +67,27 @@ TEST_CASE("a scene's settings come back from their words") {
   for (const auto& [key, value] : other.items()) {
     INFO(key);
     CHECK(value != plain.at(key));
+  }
+}
+
+TEST_CASE("overlays and chosen cells come back from their words") {
+  for (const OverlayWord& line : kOverlays) {
+    RenderSettings settings;
+    settings.overlay = line.overlay;
+    if (line.overlay == Overlay::depth) settings.mutedCells = {7, 0, 4294};
+    if (line.overlay == Overlay::tiers) settings.soloCells = {3};
+    RenderSettings again;
+    CLI::App app;
+    declareSettings(app, again);
+    GpuSceneOptions gpuScene;
+    declareGpuScene(app, gpuScene);
+    declareOverlays(app, again);
+    Json words = pictureSettingsJson(settings, {}, 0);
+    parse(app, settingWords(words));
+    CHECK(pictureSettingsJson(again, gpuScene, 0) == words);
+    CHECK(again.overlay == settings.overlay);
+    CHECK(again.mutedCells == settings.mutedCells);
+    CHECK(again.soloCells == settings.soloCells);
   }
 }
 

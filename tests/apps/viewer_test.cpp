@@ -395,6 +395,42 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
   }
 }
 
+TEST_CASE("O goes through the overlays, and screenshots of them are drawn again as they are") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  whileViewing({test::tinyScene(), "--size", "320x240", "--screenshots", folder.path(), "--mute", "99"},
+               [](const std::string&) {
+                 const auto shoot = [](std::vector<const char*> keys) {
+                   for (const char* key : keys) {
+                     xdotool({"key", key});
+                     sleepFor(0.4);
+                   }
+                   sleepFor(1);
+                 };
+                 shoot({"o", "o", "p"});
+                 shoot({"shift+o", "shift+o", "shift+o", "p"});
+                 shoot({"o", "p"});
+               });
+  const std::array<std::string, 3> overlays{"tiers", "agreement", "none"};
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    INFO(overlays[i]);
+    const fs::path shot = folder / ("view_000" + std::to_string(i + 1) + ".png");
+    REQUIRE(fs::exists(shot));
+    const auto told = test::runProgram({"info", shot, "--json", "-"});
+    const json settings = json::parse(told.out)["settings"];
+    CHECK(settings["overlay"] == (overlays[i] == "none" ? json() : json(overlays[i])));
+    CHECK(settings["mute"].empty());
+    const auto drawn = test::runProgram({"render", test::tinyScene(), "--poses", shot, "-o", folder / overlays[i],
+                                         "--overlay", overlays[i], "--json", "-"});
+    INFO(drawn.err);
+    REQUIRE(drawn.code == 0);
+    const fs::path again = json::parse(drawn.out)["views"][0]["file"].get<std::string>();
+    CHECK(readImage(again).values == readImage(shot).values);
+  }
+  CHECK(readImage(folder / "view_0001.png").values != readImage(folder / "view_0003.png").values);
+  CHECK(readImage(folder / "view_0002.png").values != readImage(folder / "view_0003.png").values);
+}
+
 TEST_CASE("a shader that is edited shows at once, a broken one shows what the compiler says") {
   if (!canView()) return;
   test::TemporaryFolder folder;

@@ -207,7 +207,7 @@ TEST_CASE("who does not ask pays nothing; who asks is told") {
     return Renderer(testDevice(), stage.gpuScene(), options).count(plan);
   };
   const auto none = counters({}), buffers = counters({.buffers = &stage.scene()}),
-             edges = counters({.wireframe = true});
+             edges = counters({.overlays = {Overlay::wireframe}});
   CHECK(buffers.pipelines > none.pipelines);
   CHECK(buffers.workingBytes > none.workingBytes);
   CHECK(edges.pipelines > none.pipelines);

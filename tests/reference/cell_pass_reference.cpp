@@ -19,6 +19,7 @@
 #include "reference/morph.h"
 #include "render/steps.h"
 #include "shared/cell.h"
+#include "shared/overlay.h"
 #include "shared/panorama.h"
 
 namespace ibr::reference {
@@ -207,6 +208,60 @@ Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& lev
                    step.cubic);
 }
 
+// [T] §3.5 eq. 1 of two members' luminances in a window; nothing where one of them has no contrast.
+std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const double n = double(a.size());
+  double meanA = 0, meanB = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) meanA += a[k] / n, meanB += b[k] / n;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    aa += (a[k] - meanA) * (a[k] - meanA);
+    bb += (b[k] - meanB) * (b[k] - meanB);
+    ab += (a[k] - meanA) * (b[k] - meanB);
+  }
+  const double least = double(shader::kLeastContrast);
+  if (std::sqrt(aa / n) < least || std::sqrt(bb / n) < least) return std::nullopt;
+  return ab / std::sqrt(aa * bb);
+}
+
+// Of pinholes.
+double agreement(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y) {
+  const std::size_t members = step.cell.members.size();
+  std::vector<std::vector<double>> windows(members);
+  for (std::size_t i = 0; i < members; ++i) {
+    const Intrinsics& k = intrinsicsOf(step, i);
+    const std::vector<Image8>& levels = textures[step.cell.members[i]];
+    const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5), size(levels[0].width, levels[0].height);
+    const auto point = [&](glm::dvec2 pixel) {  // as a GPU interpolates it
+      const glm::dvec3 a = t.inverse * glm::dvec3(pixel, 1.0);
+      return pointAt(t, i, pixel) / (a.x + a.y + a.z);
+    };
+    const auto coordinate = [&](glm::dvec3 q) {
+      return glm::dvec2((k.cx - k.fx * q.x / q.z) / k.width, (k.cy + k.fy * q.y / q.z) / k.height);
+    };
+    const auto slope = [&](auto value, glm::dvec2 from, glm::dvec2 to) { return value(to) - value(from); };
+    const auto both = [&](auto value) {
+      return std::pair(slope(value, {quad.x + 0.5, here.y}, {quad.x + 1.5, here.y}),
+                       slope(value, {here.x, quad.y + 0.5}, {here.x, quad.y + 1.5}));
+    };
+    const auto [dx, dy] = both(point);
+    const auto [cx, cy] = both([&](glm::dvec2 pixel) { return coordinate(point(pixel)); });
+    const double footprint = std::max(glm::length(cx * size), glm::length(cy * size));
+    for (int j = -shader::kAgreementReach; j <= shader::kAgreementReach; ++j)
+      for (int n = -shader::kAgreementReach; n <= shader::kAgreementReach; ++n) {
+        const glm::dvec3 colour =
+            trilinear(levels, coordinate(point(here) + double(n) * dx + double(j) * dy), footprint, false, false)
+                .colour;
+        windows[i].push_back(glm::dot(colour, glm::dvec3(0.299, 0.587, 0.114)));
+      }
+  }
+  double sum = 0;
+  int pairs = 0;
+  for (std::size_t i = 1; i < members; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (const auto of = correlation(windows[i], windows[j])) sum += *of, ++pairs;
+  return pairs > 0 ? sum / pairs : 2;
+}
+
 const std::vector<std::uint16_t>& noiseRanks() {
   static const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
   return ranks;
@@ -226,12 +281,14 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
   const int chosen = shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, random);
   Texel result;
   glm::dvec3 mean(0), square(0);
+  std::array<double, 4> shares{};
   for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
     const double dithered = int(i) == chosen ? 1.0 : 0.0;
     const BlendMode mode = step.plan.settings.blend;
     const double weight = mode == BlendMode::blend    ? blend[i]
                           : mode == BlendMode::dither ? dithered
                                                       : 0.5 * (blend[i] + dithered);
+    shares[i] = weight;
     if (weight == 0.0 && blend[i] == 0.0) continue;
     const Texel texel = sample(step, t, textures[step.cell.members[i]], i, x, y);
     if (weight > 0.0) result = mixed(result, 1, texel, weight);
@@ -246,7 +303,10 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
            step.extrapolation,
            blend,
            std::sqrt((variance.x + variance.y + variance.z) / 3),
-           glm::dot(a, t.uncertainty) / (a.x + a.y + a.z)};
+           glm::dot(a, t.uncertainty) / (a.x + a.y + a.z),
+           glm::dot(a, t.inverseDistance) / (a.x + a.y + a.z),
+           shares};
+  if (step.plan.settings.overlay == Overlay::agreement) known.agreement = agreement(step, t, textures, x, y);
   return result;
 }
 
@@ -266,6 +326,7 @@ glm::ivec2 noiseOffset(const FramePlan& plan, std::size_t view) {
 struct Owner {
   int step = -1;
   double depth = 2;
+  int counted = -1;  // last step of tier 0 that shows it, hidden or not
 };
 
 void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
@@ -311,8 +372,10 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
           continue;
         const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
         const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
+        if (step.tier == kTierAgrees && std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
         if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
-        owners[at] = {index, z};
+        owners[at].step = index;
+        owners[at].depth = z;
         const Texel texel = shade(step, t, textures, x, y, noise, picture.known[at]);
         picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * step.tier) / 255.0);
         picture.range[at] = texel.range;
@@ -332,7 +395,8 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
                   std::vector<std::uint8_t>(count, 0),
                   std::vector<double>(count, 0),
                   std::vector<double>(count, 0),
-                  std::vector<Known>(count)};
+                  std::vector<Known>(count),
+                  std::vector<int>(count, 0)};
   std::vector<Owner> owners(count);
   const glm::ivec2 noise = noiseOffset(plan, viewIndex);
   const std::vector<Step> steps = stepsOf(scene, plan, cells, viewIndex, cubic);

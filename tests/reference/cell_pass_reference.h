@@ -17,6 +17,9 @@ struct Known {
   double extrapolation = 0;
   std::array<double, 4> weights{};
   double spread = 0, uncertainty = std::numeric_limits<double>::infinity();
+  double inverseDistance = 0;      // ρ
+  std::array<double, 4> shares{};  // of the members in the colour, dithering included
+  double agreement = 2;            // of Overlay::agreement, where the plan asks for it: see agreementOf
 };
 
 struct Picture {
@@ -26,6 +29,7 @@ struct Picture {
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
   std::vector<double> levelRange;  // levels by which the two mip levels differ
   std::vector<Known> known;        // of the plan's current order
+  std::vector<int> overlap;        // cells that show the pixel in tier 0, hidden ones too
 };
 
 /// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource

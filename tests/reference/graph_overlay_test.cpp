@@ -11,7 +11,7 @@
 #include "gpu/barrier.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
-#include "shared/wireframe.h"
+#include "shared/overlay.h"
 #include "support/gpu.h"
 
 using namespace ibr;

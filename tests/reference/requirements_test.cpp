@@ -61,6 +61,7 @@ RendererOptions optionsOf(const Row& row) {
   RendererOptions options = optionsFor(row.settings, kExtent);
   options.views = std::uint32_t(row.views);
   options.multiview = row.multiview;
+  options.uncertainties = &row.place.scene;
   if (row.buffers) options.buffers = &row.place.scene;
   return options;
 }
@@ -131,10 +132,15 @@ std::vector<Row> table() {
   // Once without and once with what is added.
   rows.push_back({"a floor", pinholes({{0, 1, 2}}), with([](auto& s) { s.floor = Floor{}; }), 1,
                   counters(2 + 2, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
-  rows.push_back({"a wireframe", pinholes({{0, 1, 2}}), with([](auto& s) { s.wireframe = true; }), 1,
+  rows.push_back({"a wireframe", pinholes({{0, 1, 2}}), with([](auto& s) { s.overlay = Overlay::wireframe; }), 1,
                   counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   SyntheticScene known = pinholes({{0, 1, 2}});
   const std::uint64_t uncertainties = 4 * known.scene.cells[0].mesh.pointCount();
+  rows.push_back({"confidence", known, with([](auto& s) { s.overlay = Overlay::confidence; }), 1,
+                  counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise, uncertainties})});
+  rows.push_back({"overlap, for which hidden cells are drawn", pinholes({{0, 1, 2}, {2, 1, 0}}),
+                  with([](auto& s) { s.overlay = Overlay::overlap; }), 1,
+                  counters(2 + 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"buffers", known, plain, 1,
                   counters(2 + 2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise, uncertainties}),
                   false, true});
@@ -192,14 +198,17 @@ TEST_CASE("a renderer for these settings alone shows what one for all settings s
   for (const auto& [place, settings] : cases) {
     const GpuScene scene = onDevice(place);
     const FramePlan plan = planOf(place, settings);
-    CHECK(pictureOf(scene, plan, optionsFor(settings, kExtent)) == pictureOf(scene, plan,
-                                                                             {.largest = {80, 80},
-                                                                              .views = 2,
-                                                                              .depth = true,
-                                                                              .colour = ColourSupport::all,
-                                                                              .wireframe = settings.wireframe,
-                                                                              .floor = true,
-                                                                              .largestScale = 1}));
+    RendererOptions alone = optionsFor(settings, kExtent);
+    alone.uncertainties = &place.scene;
+    CHECK(pictureOf(scene, plan, alone) == pictureOf(scene, plan,
+                                                     {.largest = {80, 80},
+                                                      .views = 2,
+                                                      .depth = true,
+                                                      .colour = ColourSupport::all,
+                                                      .overlays = {settings.overlay},
+                                                      .floor = true,
+                                                      .uncertainties = &place.scene,
+                                                      .largestScale = 1}));
   }
 }
 
@@ -213,7 +222,7 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK((r.pinholes == 4 && r.panoramas == 0 && r.mixedCells == 0));
   CHECK((r.rejected && r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
   CHECK(r.steps == 2 * (3 + 16));
-  CHECK_FALSE((r.multiview || r.wireframe || r.buffers || r.floor));
+  CHECK_FALSE((r.multiview || !r.overlays.empty() || r.buffers || r.floor));
   Cell backdrop = place.scene.cells[0];
   for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
   place.scene.backdrops.assign(3, backdrop);

@@ -75,7 +75,9 @@ class Stage {
   Image8 render(const FramePlan& plan, VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
     const VkExtent2D extent{std::uint32_t(plan.views[0].intrinsics.width),
                             std::uint32_t(plan.views[0].intrinsics.height)};
-    const Renderer renderer(*device_, gpuScene_, optionsFor(plan.settings, extent, format));
+    RendererOptions options = optionsFor(plan.settings, extent, format);
+    options.uncertainties = &scene();
+    const Renderer renderer(*device_, gpuScene_, options);
     Offscreen offscreen(*device_, extent, format);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   }

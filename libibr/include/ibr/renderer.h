@@ -79,6 +79,20 @@ enum class AlphaContent : std::uint8_t {
   tier,    // (255 − 64·tier) / 255 where something was drawn, 0 where nothing was
 };
 
+/// What is shown over a picture or in its place, to see how it comes about; colours and limits stand in
+/// shaders/shared/overlay.h. Overlays go through the picture's order, depth, fades and composition; none but the
+/// wireframe lets what nothing shows be filled.
+enum class Overlay : std::uint8_t {
+  none,
+  wireframe,   // edges of triangles over the picture, in a heat colour of their cell's rank ([T] fig. 4)
+  tiers,       // over the picture: it agrees in all photographs (grey), comes from one, or from a backdrop; holes
+  weights,     // over the picture: which members of a cell it comes from; backdrops are grey
+  confidence,  // how certain the depth is: its relative uncertainty, σ of ρ over ρ
+  depth,       // along the viewing axis, in FramePlan::nearDistance
+  overlap,     // how many cells show a pixel in all their photographs (tier 0); a caller's DepthTarget stays far
+  agreement,   // mean correlation of the members around a pixel ([T] §3.5 eq. 1); grey where they have no contrast
+};
+
 /// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
 inline constexpr std::uint32_t kLargestLeavingCount = 16;   // cells besides, for a moment after the order changed
@@ -93,6 +107,7 @@ struct Floor {
   double height = 0;       // along `up` from the world's origin, world units
   double spacing = 1;      // of the lines, world units, > 0
   double fadeRadius = 8;   // distance from below the eye at which the grid has vanished, world units
+  bool operator==(const Floor&) const = default;
 };
 
 struct RenderSettings {
@@ -109,7 +124,10 @@ struct RenderSettings {
   double textureScale = 1.0;        // of the photographs' sides that are seen: 0.5 shows half their detail; > 0
   double renderScale = 1.0;         // of the target's sides: cells are drawn that much smaller or larger; > 0, at most
                                     // RendererOptions::largestScale
-  int lowestTier = kTierBackdrop;   // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
+  std::vector<std::uint32_t> mutedCells, soloCells;  // Scene::cells that are never drawn; where there are any of the
+                                                     // latter, all else is not, backdrops neither. In any order;
+                                                     // indices beyond the scene's mean nothing
+  int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
 
   ColourMapping colourMapping = ColourMapping::off;
   ColourTable colourTable = ColourTable::preserving;
@@ -123,11 +141,12 @@ struct RenderSettings {
   double colourLargestSpeed = 120;    // ours: levels per second that a table changes at most
   bool shareEyeColours = true;  // ours: one table for both views; else each view's own, in every frame, unsmoothed
 
-  std::optional<Floor> floor;  // a guiding floor
-  bool wireframe = false;  // edges of triangles over the picture, in a heat colour of their cell's rank ([T] fig. 4);
-                           // not with the paper's ways of colour mapping
+  std::optional<Floor> floor;       // a guiding floor
+  Overlay overlay = Overlay::none;  // not with the paper's ways of colour mapping
 
   glm::vec3 background{0.0f};  // display-encoded, shown where nothing is drawn
+
+  bool operator==(const RenderSettings&) const = default;
 };
 
 /// Settings by name, from the fastest to the most accurate. `balanced` is the default with colour mapping.
@@ -171,13 +190,13 @@ struct PlannedCell {
     std::array<double, 4> blend{};     // λ̂ clamped and smoothstepped, sums to 1
     bool operator==(const View&) const = default;
   };
-  std::uint32_t cell = 0;                       // index into Scene::cells
-  double extrapolationDistance = 0;             // world units, from the middle of the views; 0 inside ([T] §2.5.2)
-  double rotationalDistance = 0;                // radians, likewise
-  double photographDistance = 0;  // of those that it shows, world units, likewise: RMS, as they are blended
-  double opacity = 1;                           // below 1 near the extrapolation limit, and while the order changes
-  std::array<double, 4> single{};               // weights of tier 1: one member alone, but while that becomes another
-  std::array<View, 2> view;                     // weights by view
+  std::uint32_t cell = 0;            // index into Scene::cells
+  double extrapolationDistance = 0;  // world units, from the middle of the views; 0 inside ([T] §2.5.2)
+  double rotationalDistance = 0;     // radians, likewise
+  double photographDistance = 0;     // of those that it shows, world units, likewise: RMS, as they are blended
+  double opacity = 1;                // below 1 near the extrapolation limit, and while the order changes
+  std::array<double, 4> single{};    // weights of tier 1: one member alone, but while that becomes another
+  std::array<View, 2> view;          // weights by view
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
   bool colourNeeded = true;                     // something that shows may go through its colour table
@@ -197,8 +216,8 @@ struct PlannedBackdrop {
 /// A cell, or a backdrop, as a frame shows it in its order.
 struct ShownMesh {
   std::uint32_t mesh = 0;  // its index
-  double opacity = 1;    // of a fade after the order changed
-  bool leaving = false;  // it has another place by now, or none
+  double opacity = 1;      // of a fade after the order changed
+  bool leaving = false;    // it has another place by now, or none
   bool operator==(const ShownMesh&) const = default;
 };
 
@@ -245,7 +264,8 @@ struct FramePlan {
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
   std::uint32_t culledByDistance = 0;
   std::uint32_t culledByCount = 0;
-  PlanState next;  // to be handed to the next call
+  std::uint32_t culledByChoice = 0;  // RenderSettings::mutedCells, soloCells
+  PlanState next;                    // to be handed to the next call
 };
 
 /// Pure. Preconditions: validate(scene) is empty; one or two views, pinholes with finite, positive focal lengths and a
@@ -254,7 +274,8 @@ struct FramePlan {
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
 /// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes
-/// of the order behind the main cell, or of backdrops: what changes its place fades there.
+/// of the order behind the main cell, or of backdrops: what changes its place fades there, also what is muted or drawn
+/// alone; but backdrops that come back where there were none are there at once.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 
@@ -268,11 +289,12 @@ struct RendererOptions {
   bool depth = false;        // for targets with a depth
   ColourSupport colour =
       ColourSupport::ours;  // off: no plan's colours are mapped; ours: a plan's mapping is not the paper's
-  bool multiview = true;   // both views of a plan in one pass, where they have one size and the device is seen to do it
-                           // right; the pixels are the same without
-  bool wireframe = false;  // for RenderSettings::wireframe
-  bool floor = false;      // for RenderSettings::floor
-  const Scene* buffers = nullptr;  // the GpuScene's scene, read while the renderer is made: for recordBuffers
+  bool multiview = true;  // both views of a plan in one pass, where they have one size and the device is seen to do it
+                          // right; the pixels are the same without
+  std::vector<Overlay> overlays;         // for RenderSettings::overlay
+  bool floor = false;                    // for RenderSettings::floor
+  const Scene* buffers = nullptr;        // the GpuScene's scene, read while the renderer is made: for recordBuffers
+  const Scene* uncertainties = nullptr;  // likewise, for Overlay::confidence
   // What plans and targets will ask for: others are a programmer's error.
   std::vector<VkFormat> formats{VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM,
                                 VK_FORMAT_B8G8R8A8_SRGB};

@@ -28,7 +28,8 @@ struct Requirements {
   bool switchMixing = false;  // a second canvas
   bool fill = false, depth = false;
   bool multiview = false;  // a canvas for both eyes, where the device draws them at once
-  bool wireframe = false, buffers = false, floor = false;
+  bool buffers = false, floor = false;
+  std::vector<Overlay> overlays;
   bool colourTables = false, colourSequence = false;  // tables at all; the paper's way to them
   std::uint32_t steps = 0;                            // draws of a picture, at most
 };

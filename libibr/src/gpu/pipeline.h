@@ -24,6 +24,7 @@ struct Specialisation {
 enum class Blending : std::uint8_t {
   replace,
   over,  // mixed by the new colour's alpha
+  add,   // of alphas the greatest stays
 };
 
 struct GraphicsPipelineInfo {

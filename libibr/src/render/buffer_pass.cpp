@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/buffer_pass.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <limits>
@@ -9,7 +8,6 @@
 #include "gpu/barrier.h"
 #include "gpu/pipeline.h"
 #include "gpu/rendering.h"
-#include "gpu/upload.h"
 #include "shaders/buffers_frag.h"
 
 namespace ibr {
@@ -28,24 +26,9 @@ std::array<const BufferTarget*, 3> all(const BufferTargets& targets) {
 
 }  // namespace
 
-BufferPass::BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas,
-                       const Requirements& requirements)
-    : cells_(&cells), canvas_(&canvas) {
-  std::vector<float> uncertainties;
-  const auto append = [&](const std::vector<Cell>& meshes, std::vector<VkDeviceSize>& offsets) {
-    for (const Cell& cell : meshes) {
-      offsets.push_back(uncertainties.size() * sizeof(float));
-      uncertainties.insert(uncertainties.end(), cell.mesh.uncertainty.begin(), cell.mesh.uncertainty.end());
-    }
-  };
-  append(scene.cells, cellOffsets_);
-  append(scene.backdrops, backdropOffsets_);
-  const auto bytes = std::as_bytes(std::span(uncertainties));
-  uncertainties_ =
-      Buffer(device, std::max<VkDeviceSize>(bytes.size(), 4),
-             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "uncertainties");
-  if (!bytes.empty()) uploadBuffer(device, uncertainties_, 0, bytes);
-
+BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncertainties& uncertainties,
+                       const Canvas& canvas, const Requirements& requirements)
+    : cells_(&cells), uncertainties_(&uncertainties), canvas_(&canvas) {
   const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().sets.layout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
@@ -90,12 +73,10 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
   cells_->bind(commands, layout_.get());
   cells_->eachStep(
       commands, plan, Order::current, view, targets.extent, [&](const Step& step, std::uint32_t parameter) {
-        const bool backdrop = step.tier == kTierBackdrop;
-        const GpuScene::State& scene = cells_->scene();
-        const auto mesh = std::size_t(step.mesh - (backdrop ? scene.backdrops : scene.cells).data());
         const Constants constants{float(step.tier), float(step.rank), step.extrapolation};
-        const VkBuffer buffer = uncertainties_.get();
-        vkCmdBindVertexBuffers(commands, 1, 1, &buffer, &(backdrop ? backdropOffsets_ : cellOffsets_)[mesh]);
+        const VkBuffer buffer = uncertainties_->get();
+        const VkDeviceSize offset = uncertainties_->offset(*step.mesh);
+        vkCmdBindVertexBuffers(commands, 1, 1, &buffer, &offset);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
                           pipelines_.at({variantOf(step, kBlends[0]), !cells_->isPainters(plan.settings)}).get());
         vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);

@@ -3,17 +3,17 @@
 #pragma once
 
 #include <map>
-#include <vector>
 
 #include "gpu/canvas.h"
 #include "render/cell_pass.h"
+#include "render/uncertainties.h"
 
 namespace ibr {
 
 class BufferPass {
  public:
-  /// `scene`: what the cells were made of; read here only. `canvas` lends its depth image between frames' uses.
-  BufferPass(Device& device, const Scene& scene, const CellPass& cells, const Canvas& canvas,
+  /// `canvas` lends its depth image between frames' uses.
+  BufferPass(const Device& device, const CellPass& cells, const Uncertainties& uncertainties, const Canvas& canvas,
              const Requirements& requirements);
 
   /// Outside a render pass. CellPass::update has been recorded for the plan, and what reads the canvas's depth too.
@@ -21,8 +21,6 @@ class BufferPass {
               const BufferTargets& targets) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
-  VkDeviceSize bytes() const noexcept { return uncertainties_.size(); }
-  VkDeviceSize allocatedBytes() const noexcept { return uncertainties_.allocatedBytes(); }
 
  private:
   struct Key {
@@ -32,9 +30,8 @@ class BufferPass {
   };
 
   const CellPass* cells_;
+  const Uncertainties* uncertainties_;
   const Canvas* canvas_;
-  Buffer uncertainties_;                                     // of ρ, one a vertex
-  std::vector<VkDeviceSize> cellOffsets_, backdropOffsets_;  // bytes of a mesh's first
   PipelineLayoutHandle layout_;
   std::map<Key, PipelineHandle> pipelines_;
 };

@@ -9,7 +9,7 @@
 #include "shaders/buffers_vert.h"
 #include "shaders/cell_multiview_vert.h"
 #include "shaders/cell_vert.h"
-#include "shaders/wireframe_vert.h"
+#include "shaders/overlay_vert.h"
 #include "shared/cell.h"
 
 namespace ibr {
@@ -24,6 +24,7 @@ struct Constants {  // specialisation constants of the cell shaders
   VkBool32 mapped;
   std::uint32_t viewStride;
   VkBool32 cubic;
+  std::uint32_t overlay;
 };
 
 }  // namespace
@@ -45,7 +46,8 @@ std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayD
   std::vector<CellVariant> variants;
   for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
     for (const bool dissolve : {false, true})
-      if (!dissolve || mayDissolve) variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, blend});
+      if (!dissolve || mayDissolve)
+        variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, blend});
   return variants;
 }
 
@@ -58,17 +60,18 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
-  constexpr std::array<VkSpecializationMapEntry, 8> kEntries{{{0, offsetof(Constants, members), 4},
+  constexpr std::array<VkSpecializationMapEntry, 9> kEntries{{{0, offsetof(Constants, members), 4},
                                                               {1, offsetof(Constants, onePage), 4},
                                                               {2, offsetof(Constants, dissolve), 4},
                                                               {3, offsetof(Constants, panoramas), 4},
                                                               {4, offsetof(Constants, blending), 4},
                                                               {7, offsetof(Constants, mapped), 4},
                                                               {8, offsetof(Constants, viewStride), 4},
-                                                              {9, offsetof(Constants, cubic), 4}}};
-  const Constants constants{std::int32_t(members),        variant.onePage, variant.dissolve, variant.panoramas,
-                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride,
-                            variant.cubic};
+                                                              {9, offsetof(Constants, cubic), 4},
+                                                              {10, offsetof(Constants, overlay), 4}}};
+  const Constants constants{std::int32_t(members),        variant.onePage, variant.dissolve,  variant.panoramas,
+                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride, variant.cubic,
+                            std::uint32_t(wanted.overlay)};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:
@@ -83,7 +86,7 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
       info.attributes = attributes;
       break;
     case CellVertices::fetched:
-      info.vertex = shaders::wireframe_vert;
+      info.vertex = shaders::overlay_vert;
       break;
   }
   info.fragment = wanted.fragment;
@@ -94,6 +97,7 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   info.depthFormat = wanted.depthFormat;
   info.depthTest = info.depthWrite = wanted.depth;
   info.depthClamp = true;  // what is nearer than nearDistance is drawn at that depth, not cut
+  if (wanted.overlay == Overlay::overlap) info.blending = Blending::add;
   info.name = wanted.name;
   return makeGraphicsPipeline(device, info);
 }

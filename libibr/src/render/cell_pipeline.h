@@ -37,7 +37,7 @@ enum class CellVertices : std::uint8_t {
   attributes,       // q_i and ρ: cell.vert
   forBothEyes,      // the same: cell_multiview.vert
   withUncertainty,  // and that of ρ, in a second buffer: buffers.vert
-  fetched,          // nothing: wireframe.vert fetches for itself
+  fetched,          // nothing: overlay.vert fetches for itself
 };
 
 struct CellPipelineInfo {
@@ -51,6 +51,7 @@ struct CellPipelineInfo {
   std::span<const VkFormat> colourFormats;  // without a render pass: of dynamic rendering, with
   VkFormat depthFormat = VK_FORMAT_UNDEFINED;
   std::uint32_t viewStride = 0;  // for both eyes: from a step's parameters for one view to those for the next
+  Overlay overlay = Overlay::none;
 };
 
 PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant, const CellPipelineInfo& info);

@@ -13,6 +13,7 @@
 #include "render/floor.h"
 #include "shaders/composite_frag.h"
 #include "shaders/composite_vert.h"
+#include "shared/overlay.h"
 
 namespace ibr {
 namespace {
@@ -107,7 +108,8 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
   vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &sets_[source], 0,
                           nullptr);
-  const Constants constants{settings.background,
+  const bool showsHoles = settings.overlay == Overlay::tiers;
+  const Constants constants{showsHoles ? shader::tierColour(std::uint32_t(kTierFilled)) : settings.background,
                             settings.alpha == AlphaContent::tier,
                             vectorOf(FillPass::coarser(drawn)),
                             vectorOf(drawn),

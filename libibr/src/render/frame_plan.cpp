@@ -165,6 +165,11 @@ class Planner {
     plan_.next.single.assign(drawn.begin(), drawn.end());
   }
 
+  bool isChosen(std::uint32_t cell) const {
+    const auto has = [cell](const auto& list) { return std::ranges::find(list, cell) != list.end(); };
+    return !has(settings_.mutedCells) && (settings_.soloCells.empty() || has(settings_.soloCells));
+  }
+
   // A cell in view. Small, since it is sorted; `planned` is an index into what stays in place.
   struct Candidate {
     std::uint32_t cell, planned;
@@ -210,6 +215,11 @@ class Planner {
       PlannedCell cell = planned(c, distance);
       if (!visible(scene_.cells[c], bounds_.cells[c], cell, settings_.morph)) {
         ++plan_.culledByFrustum;
+        continue;
+      }
+      if (!isChosen(c)) {
+        ++plan_.culledByChoice;
+        plan_.next.hiddenCells.push_back(c);  // so that it fades in again
         continue;
       }
       const auto before = rank.find(c);
@@ -294,6 +304,10 @@ class Planner {
     return visible(scene_.backdrops[backdrop], bounds_.backdrops[backdrop], single, Morph::ours);
   }
 
+  std::size_t mostBackdrops() const {
+    return settings_.soloCells.empty() ? std::min(settings_.maxBackdrops, kLargestBackdropCount) : 0;
+  }
+
   // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
   void planBackdrops() {
     if (settings_.lowestTier < kTierBackdrop) return;
@@ -310,8 +324,7 @@ class Planner {
       if (a.angle != b.angle) return a.angle < b.angle;
       return identity(scene_, scene_.backdrops[a.backdrop]) < identity(scene_, scene_.backdrops[b.backdrop]);
     });
-    fadeBackdrops(candidates, chooseBackdrops(scene_, bounds_, plan_.views, candidates,
-                                              std::min(settings_.maxBackdrops, kLargestBackdropCount)));
+    fadeBackdrops(candidates, chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops()));
     if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
       plan_.nearDistance = 0.05 * candidates[0].distance;
   }
@@ -322,8 +335,7 @@ class Planner {
     std::ranges::sort(inView);
     const auto visible = [&](std::uint32_t b) { return std::ranges::binary_search(inView, b); };
     const auto wasHidden = [&](std::uint32_t b) { return std::ranges::binary_search(state_.hiddenBackdrops, b); };
-    const std::size_t most = std::min(settings_.maxBackdrops, kLargestBackdropCount);
-    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible}, most);
+    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible}, mostBackdrops());
     std::ranges::copy_if(inView, std::back_inserter(plan_.next.hiddenBackdrops),
                          [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
     plan_.next.backdrops =

@@ -56,7 +56,7 @@ std::vector<std::uint32_t> shownNodes(const Scene& scene) {
 // An empty buffer is not allowed; a scene without triangles is.
 Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* name,
                  Uploader& uploader) {
-  // Storage: a wireframe fetches its vertices itself.
+  // Storage: overlays fetch their vertices themselves.
   usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   Buffer buffer(device, std::max<VkDeviceSize>(bytes.size(), 4), usage, MemoryKind::device, name);
   if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);

@@ -22,7 +22,7 @@
 #include "shaders/graph_frag.h"
 #include "shaders/graph_vert.h"
 #include "shared/graph.h"
-#include "shared/wireframe.h"
+#include "shared/overlay.h"
 
 namespace ibr {
 namespace {

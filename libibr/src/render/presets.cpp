@@ -42,7 +42,7 @@ RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D largest, V
   options.orders = {settings.order};
   options.blends = {settings.blend};
   options.dissolve = settings.fadeShare > 0 || settings.switchSeconds > 0;  // what changes its place fades too
-  options.wireframe = settings.wireframe;
+  if (settings.overlay != Overlay::none) options.overlays = {settings.overlay};
   options.floor = settings.floor.has_value();
   options.largestScale = settings.renderScale == 1 ? 0 : settings.renderScale;
   switch (settings.colourMapping) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/check.h"
 #include "gpu/canvas.h"
 #include "gpu/multiview.h"
 #include "gpu/scope.h"
@@ -19,8 +20,9 @@
 #include "render/depth_pass.h"
 #include "render/fill_pass.h"
 #include "render/gpu_scene.h"
+#include "render/overlay_pass.h"
 #include "render/steps.h"
-#include "render/wireframe_pass.h"
+#include "render/uncertainties.h"
 
 namespace ibr {
 
@@ -41,8 +43,10 @@ struct Renderer::State {
     if (tables) colours.emplace(device, *tables, *cells, canvas, o);
     composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o);
     if (needed.depth) depth.emplace(device, canvas, eyesOrNull());
-    if (needed.wireframe) wireframe.emplace(device, *cells, canvas.renderPass(), o, needed);
-    if (needed.buffers) buffers.emplace(device, *o.buffers, *cells, canvas, needed);
+    if (const Scene* known = uncertaintiesFor(o)) uncertainties.emplace(device, *known, *scene);
+    const Uncertainties* known = uncertainties ? &*uncertainties : nullptr;
+    if (!needed.overlays.empty()) overlays.emplace(device, *cells, canvas.renderPass(), o, needed, known);
+    if (needed.buffers) buffers.emplace(device, *cells, *known, canvas, needed);
     // The composition has all its images bound, also in a frame that does not draw them; they are in the layout they
     // are bound with from here on.
     submitAndWait(device, [&](VkCommandBuffer commands) {
@@ -58,10 +62,21 @@ struct Renderer::State {
 
   const Canvas* eyesOrNull() const { return eyes ? &*eyes : nullptr; }
 
+  bool has(Overlay overlay) const {
+    return std::ranges::find(requirements.overlays, overlay) != requirements.overlays.end();
+  }
+  // The scene whose uncertainties something shows; null: nothing does.
+  const Scene* uncertaintiesFor(const RendererOptions& o) const {
+    if (!has(Overlay::confidence)) return o.buffers;
+    check(o.uncertainties, ErrorCode::invalidInput,
+          "renderer: Overlay::confidence needs RendererOptions::uncertainties");
+    return o.uncertainties;
+  }
+
   // What of a plan this renderer can show.
   bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
   bool drawsAtOnce(const FramePlan& plan) const {
-    return eyes && plan.views.size() == 2 && !plan.settings.wireframe && !isSequence(plan) &&
+    return eyes && plan.views.size() == 2 && plan.settings.overlay == Overlay::none && !isSequence(plan) &&
            (!adapts(plan) || eyesShare(plan)) && plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
            plan.views[0].intrinsics.height == plan.views[1].intrinsics.height;
   }
@@ -70,7 +85,10 @@ struct Renderer::State {
     return colours && (plan.settings.colourMapping == ColourMapping::paper ||
                        plan.settings.colourMapping == ColourMapping::paperRedraw);
   }
-  bool fills(const FramePlan& plan) const { return fill && plan.settings.lowestTier >= kTierFilled; }
+  bool fills(const FramePlan& plan) const {
+    return fill && plan.settings.lowestTier >= kTierFilled &&
+           (plan.settings.overlay == Overlay::none || plan.settings.overlay == Overlay::wireframe);
+  }
 
   // Fills the canvas, or with the first view the one for both eyes, and the former order's.
   void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
@@ -103,7 +121,8 @@ struct Renderer::State {
   std::optional<ColourMapPass> colours;
   std::optional<CompositePass> composite;
   std::optional<DepthPass> depth;
-  std::optional<WireframePass> wireframe;
+  std::optional<Uncertainties> uncertainties;
+  std::optional<OverlayPass> overlays;
   std::optional<BufferPass> buffers;
 };
 
@@ -145,10 +164,10 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan,
                                 VkExtent2D extent) const noexcept {
   const Canvas& into = order == Order::current ? canvas : *former;
   into.begin(commands, extent, {0, 0, 0, 0});
-  if (plan.settings.wireframe)
-    wireframe->draw(commands, plan, order, view, extent);
-  else
+  if (plan.settings.overlay == Overlay::none)
     cells->draw(commands, plan, order, view, extent);
+  else
+    overlays->draw(commands, plan, order, view, extent);
   into.end(commands);
 }
 
@@ -156,7 +175,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
                       ScopeTimer* timer) const noexcept {
   const State& s = *state_;
   assert(!s.isSequence(plan) || s.options.colour == ColourSupport::all);
-  assert(!plan.settings.wireframe || (s.requirements.wireframe && !s.isSequence(plan)));
+  assert(plan.settings.overlay == Overlay::none || (s.has(plan.settings.overlay) && !s.isSequence(plan)));
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
   const bool atOnce = s.drawsAtOnce(plan);
@@ -175,7 +194,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
     }
     if (target.depth) {
       const GpuScope scope(commandBuffer, timer, "depth");
-      const bool hasDepth = plan.settings.order == DrawOrder::ours;
+      const bool hasDepth = plan.settings.order == DrawOrder::ours && plan.settings.overlay != Overlay::overlap;
       const std::uint32_t steps = hasDepth ? stepsOf(*s.scene, plan, Order::current, view).count : 0;
       s.depth->record(commandBuffer, source, steps, plan.nearDistance, extent, target.extent, *target.depth);
     }
@@ -204,7 +223,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
                     .colours = s.colours ? s.colours->bytes() : 0,
                     .parameters = s.cells->parameterBytes(),
                     .noise = s.cells->noiseBytes(),
-                    .uncertainties = s.buffers ? s.buffers->bytes() : 0};
+                    .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0};
   const auto drawn = [&](std::size_t view) {
     const Intrinsics& k = plan.views[view].intrinsics;
     return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
@@ -212,11 +231,9 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.eyes) counters.workingBytes += s.eyes->allocatedBytes();
   if (s.former) counters.workingBytes += s.former->allocatedBytes();
   if (s.depth) counters.pipelines += s.depth->pipelineCount();
-  if (s.wireframe) counters.pipelines += s.wireframe->pipelineCount();
-  if (s.buffers) {
-    counters.pipelines += s.buffers->pipelineCount();
-    counters.workingBytes += s.buffers->allocatedBytes();
-  }
+  if (s.uncertainties) counters.workingBytes += s.uncertainties->allocatedBytes();
+  if (s.overlays) counters.pipelines += s.overlays->pipelineCount();
+  if (s.buffers) counters.pipelines += s.buffers->pipelineCount();
   if (s.fill) {
     counters.pipelines += FillPass::kPipelineCount;
     counters.workingBytes += s.fill->allocatedBytes();

@@ -51,7 +51,9 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.fill = any && options.fill;
   r.depth = options.depth;
   r.multiview = any && options.views == 2 && options.multiview;
-  r.wireframe = options.wireframe;
+  r.overlays.clear();
+  for (const Overlay overlay : options.overlays)
+    if (overlay != Overlay::none && !has(r.overlays, overlay)) r.overlays.push_back(overlay);
   r.buffers = options.buffers != nullptr;
   r.floor = options.floor;
   const std::uint32_t leaving = r.cells > 0 ? kLargestLeavingCount : 0;
@@ -96,7 +98,7 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("filling", r.fill, r.fill ? "what nothing shows is filled" : "not asked for");
   add("depth for polygons", r.depth, r.depth ? "asked for" : "not asked for");
   add("both eyes at once", r.multiview, r.multiview ? "there are two views" : "one view, or not asked for");
-  add("wireframe", r.wireframe, r.wireframe ? "asked for" : "not asked for");
+  add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not asked for" : "asked for");
   add("buffers of depth, tier and weights", r.buffers, r.buffers ? "asked for" : "not asked for");
   add("guiding floor", r.floor, r.floor ? "asked for" : "not asked for");
   add("scaling", options.largestScale > 0,

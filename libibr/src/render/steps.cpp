@@ -34,7 +34,8 @@ Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, 
                        double opacity, std::uint32_t cell, std::uint32_t table, std::uint32_t rank,
                        double extrapolation, bool hidden) {
     const GpuScene::State::Range& range = mesh.tier[of];
-    hidden = hidden && order == Order::current && plan.settings.order == DrawOrder::ours;
+    hidden = hidden && order == Order::current && plan.settings.order == DrawOrder::ours &&
+             plan.settings.overlay != Overlay::overlap;
     if (range.indexCount > 0)
       steps.step[steps.count++] = {&mesh, range, weights, tier, float(opacity), cell, table, rank, float(extrapolation),
                                    hidden};

@@ -98,6 +98,7 @@ TEST_CASE("the main cell holds the camera and looks its way; the rest follow by 
     CHECK(cell.single[std::size_t(best)] == 1);
   }
   CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
+  CHECK(plan.culledByChoice == 0);
 }
 
 TEST_CASE("cells behind the view are culled, cells in view never are") {
@@ -449,4 +450,63 @@ TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequen
     }
     CHECK(faded == (mapping != ColourMapping::paper));
   }
+}
+
+TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and in") {
+  Scene scene = stackedGrid();
+  for (std::uint32_t n : {0u, 4u}) {
+    Cell backdrop = cellOf(scene, {n});
+    scene.backdrops.push_back(backdrop);
+  }
+  const SceneBounds bounds = sceneBounds(scene);
+  const Camera view = cameraAt({0.3, 0, 0.2}, 0.1);
+  const auto plan = [&](const RenderSettings& settings, const PlanState& state = {}) {
+    return planFrame(scene, bounds, {{view}, settings, 0.1}, state);
+  };
+  const FramePlan all = plan({});
+  REQUIRE(all.cells.size() > 3);
+  REQUIRE(all.backdrops.size() == 2);
+  const std::uint32_t main = all.cells[0].cell, second = all.cells[1].cell;
+
+  RenderSettings muted;
+  muted.mutedCells = {second};
+  const FramePlan without = plan(muted);
+  CHECK(without.culledByChoice == 1);
+  CHECK(without.cells[1].cell == plan({}).cells[2].cell);
+  CHECK(without.backdrops.size() == 2);
+  RenderSettings few = muted;  // what is muted takes nobody's place
+  few.maxCells = 2;
+  CHECK(plan(few).cells.size() == 2);
+
+  // Out, and in again.
+  FramePlan next = plan(muted, all.next);
+  REQUIRE(next.leaving.size() == 1);
+  CHECK(next.leaving[0].planned.cell == second);
+  CHECK(next.leaving[0].planned.opacity == Approx(0.6));
+  for (int i = 0; i < 3; ++i) next = plan(muted, next.next);
+  CHECK(next.leaving.empty());
+  next = plan({}, next.next);
+  REQUIRE(next.cells[1].cell == second);
+  CHECK(next.cells[1].opacity == Approx(0.4));
+
+  // The main cell goes as it goes when another one becomes better.
+  muted.mutedCells = {main};
+  next = plan(muted, all.next);
+  CHECK(next.cells[0].cell == second);
+  CHECK(next.formerWeight == 1);
+  REQUIRE(!next.former.empty());
+  CHECK(next.former[0].cell == main);
+
+  RenderSettings solo;
+  solo.soloCells = {main, 1000};
+  CHECK(plan(solo).cells.size() == 1);
+  CHECK(plan(solo).backdrops.empty());
+  next = plan(solo, all.next);
+  REQUIRE(next.backdrops.size() == 2);
+  CHECK(next.backdrops[0].opacity == Approx(0.6));
+  for (int i = 0; i < 3; ++i) next = plan(solo, next.next);
+  CHECK(next.backdrops.empty());
+  CHECK(next.leaving.empty());
+  next = plan({}, next.next);
+  CHECK(next.backdrops.size() == 2);
 }

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells as CellPass draws them, with their triangles' edges coloured by rank ([T] fig. 4).
+// Cells as CellPass draws them, with an overlay over or in place of their colours (shared/overlay.h).
 #pragma once
 
 #include <map>
 
 #include "render/cell_pass.h"
+#include "render/uncertainties.h"
 
 namespace ibr {
 
-class WireframePass {
+class OverlayPass {
  public:
-  /// `renderPass`: of the canvas. `requirements`: of the scene and `options`. Throws Error{unsupported} where the
-  /// device cannot read so many vertices in a shader.
-  WireframePass(const Device& device, const CellPass& cells, VkRenderPass renderPass, const RendererOptions& options,
-                const Requirements& requirements);
+  /// `renderPass`: of the canvas. `requirements`: of the scene and `options`. `uncertainties`: where an overlay shows
+  /// them. Throws Error{unsupported} where the device cannot read so many vertices in a shader.
+  OverlayPass(const Device& device, const CellPass& cells, VkRenderPass renderPass, const RendererOptions& options,
+              const Requirements& requirements, const Uncertainties* uncertainties);
 
   /// In place of CellPass::draw.
   void draw(VkCommandBuffer commands, const FramePlan& plan, Order order, std::size_t view,
@@ -23,12 +24,17 @@ class WireframePass {
 
  private:
   struct Key {
+    Overlay overlay;
     CellVariant variant;
     bool depth, mapped;
     auto operator<=>(const Key&) const = default;
   };
 
+  void makeSet(const Device& device);
+  void require(const Device& device, VkRenderPass renderPass, const Key& key);
+
   const CellPass* cells_;
+  const Uncertainties* uncertainties_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
