@@ -33,7 +33,7 @@ constexpr std::array kKeys{
     KeyHelp{"K, J", "key of a camera path here; show the path"},
     KeyHelp{"ctrl S", "save the path, as ibr render --poses takes it"},
     KeyHelp{"ctrl M", "make a video of the path"},
-    KeyHelp{"O", "next overlay: wireframe, depth, …; with shift the one before"},
+    KeyHelp{"O", "next overlay: wireframe, tiers, depth and more; with shift the one before"},
     KeyHelp{"P", "screenshot"},
     KeyHelp{"ctrl C, ctrl V", "copy, paste the view as text"},
     KeyHelp{"F1", "this help"},

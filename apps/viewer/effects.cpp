@@ -30,6 +30,7 @@ Effects effectsOf(const Place& place, VkExtent2D extent) {
   Effects effects{.view = cameraOf(place, extent)};
   for (const auto& [name, preset] : kPresets) effects.lines.push_back({name, presetOver(place.settings, preset), {}});
   effects.lines.push_back({kAsSet, place.settings, {}});
+  for (Effect& line : effects.lines) line.settings.overlay = Overlay::none;  // of the picture itself
   return effects;
 }
 

@@ -124,7 +124,7 @@ void showCells(PanelInput& input) {
                          ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingStretchProp))
     return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  for (const char* name : {"rank", "cell", "", "extrapolated", "turned", "photographs"}) ImGui::TableSetupColumn(name);
+  for (const char* name : {"rank", "cell", "", "outside", "turned", "photographs"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (std::size_t rank = 0; rank < plan.cells.size(); ++rank) place.changed |= drawnCell(scene, settings, plan, rank);
   for (const std::uint32_t cell : cellsLeftOut(scene, settings, plan))

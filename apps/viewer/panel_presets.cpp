@@ -38,7 +38,9 @@ bool isOfThisView(const Effects& effects, const Place& place) {
 
 void settingsChanged(Place& place) {
   place.changed = true;
-  if (place.effects) place.effects->lines.back() = {kAsSet, place.settings, std::nullopt};
+  if (!place.effects) return;
+  place.effects->lines.back() = {kAsSet, place.settings, std::nullopt};
+  place.effects->lines.back().settings.overlay = Overlay::none;
 }
 
 void showPresets(PanelInput& input) {

@@ -19,7 +19,6 @@ void showRoute(PanelInput& input) {
     else
       place.showRoute();
   }
-  ImGui::SameLine();
   if (ImGui::Button("save (ctrl S)")) input.viewer.wantsRoute = true;
   ImGui::SameLine();
   if (ImGui::Button("video (ctrl M)")) input.viewer.wantsVideo = true;

@@ -139,8 +139,7 @@ void showTimes(PanelInput& input) {
   if (std::isnan(last))
     ImGui::TextUnformatted("drawn only while something moves");
   else
-    ImGui::Text("%.1f ms from frame to frame (the line), %.0f a second", double(last),
-                1000 / std::max(1e-3, double(last)));
+    ImGui::Text("line: frame to frame, %.1f ms, %.0f a second", double(last), 1000 / std::max(1e-3, double(last)));
   ImGui::Separator();
   ImGui::TextUnformatted("on the device:");
   for (const ScopeTime& scope : viewer.deviceTimes) {
@@ -150,7 +149,9 @@ void showTimes(PanelInput& input) {
     ImGui::Text("%8.3f ms  %s", scope.milliseconds, scope.name.c_str());
     ImGui::Unindent(indent);
   }
+  ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("%s", input.device.c_str());
+  ImGui::PopTextWrapPos();
 }
 
 void showMemory(PanelInput& input) {

@@ -58,8 +58,7 @@ void showTrust(const std::optional<Trust>& trust) {
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
     for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
-      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0,
-                         kTiers[tier]);
+      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0, kTiers[tier]);
     ImGui::EndTooltip();
   }
   if (!trust) {
@@ -73,7 +72,8 @@ void showTrust(const std::optional<Trust>& trust) {
                                 ? fmt::format("{:.2f} cells outside the best", trust->extrapolation)
                                 : "inside the best cell";
   ImGui::TextUnformatted(
-      fmt::format("{:.0f} % of it agrees in all photographs\n{}, {}", 100 * trust->tiers[0], depth, place).c_str());
+      fmt::format("{:.0f} % of the picture agrees in all photographs\n{}, {}", 100 * trust->tiers[0], depth, place)
+          .c_str());
 }
 
 }  // namespace

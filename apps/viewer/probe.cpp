@@ -52,6 +52,7 @@ FramePlan Probe::planOf(const Camera& view, RenderSettings settings) const {
   settings.switchSeconds = settings.fadeShare = 0;
   settings.renderScale = 1;
   settings.floor.reset();
+  settings.overlay = Overlay::none;
   return planFrame(scene_, bounds_, {{view}, settings, 0});
 }
 

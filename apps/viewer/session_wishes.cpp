@@ -95,6 +95,7 @@ void Session::findOut() {
   if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent);
   if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {
     measureNext(*place->effects, *drawn, frame_);
+    rested_ = true;  // the time that this takes is no frame's
     redraws_ = 3;
   }
   if (pictureWanted_ || place->playing) {
