@@ -338,6 +338,24 @@ TEST_CASE("tiers and depth are those of the buffers") {
   CHECK(wrong == 0);
 }
 
+TEST_CASE("beneath tiers is the picture, its colours mapped") {
+  const Stage stage(testDevice(), richPlace());
+  RenderSettings settings = withTiers();
+  settings.colourMapping = ColourMapping::ours;
+  const Image8 plain = stage.render(richView(), settings),
+               tiers = stage.render(richView(), with(Overlay::tiers, settings));
+  CHECK(difference(plain, stage.render(richView(), withTiers()), 5).shareAbove > 1e-3);
+  std::size_t wrong = 0;
+  for (int y = 0; y < plain.height; ++y)
+    for (int x = 0; x < plain.width; ++x) {
+      const auto pixel = plain.pixel(x, y);
+      if (pixel[3] == 0) continue;
+      const shader::vec3 picture = shader::vec3(pixel[0], pixel[1], pixel[2]) / 255.0f;
+      wrong += distance(tiers.pixel(x, y), shader::tinted(shader::tierColour((255u - pixel[3]) / 64), picture)) > 2;
+    }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("photographs that are the same agree, flat ones say nothing, and others do not agree") {
   SyntheticOptions options;
   options.cameras = {cameraAt({0, 0, 0}), cameraAt({1, 0, 0}), cameraAt({0, 1, 0})};
