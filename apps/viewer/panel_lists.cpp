@@ -84,10 +84,10 @@ Cells cellsLeftOut(const Scene& scene, const RenderSettings& settings, const Fra
 
 bool cellLeftOut(const Scene& scene, RenderSettings& settings, std::uint32_t cell) {
   const bool muted = has(settings.mutedCells, cell);
-  const bool drowned = !settings.soloCells.empty() && !has(settings.soloCells, cell);
+  const bool othersAlone = !settings.soloCells.empty() && !has(settings.soloCells, cell);
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::TextDisabled("%s", muted ? "muted" : drowned ? "not solo" : "not drawn");
+  ImGui::TextDisabled("%s", muted ? "muted" : othersAlone ? "off" : "-");
   ImGui::TableNextColumn();
   ImGui::TextDisabled("%u", cell);
   ImGui::TableNextColumn();
