@@ -19,7 +19,8 @@ std::vector<float> depthOf(const Stage& stage, const FramePlan& plan, DepthTarge
   const Camera& view = plan.views[0];
   const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
   const GpuScene gpuScene(testDevice(), stage.scene(), {.source = stage.source(), .filter = TextureFilter::trilinear});
-  const Renderer renderer(testDevice(), gpuScene, {.largest = extent, .depth = true});
+  const Renderer renderer(testDevice(), gpuScene,
+                          {.largest = extent, .depth = true, .overlays = {plan.settings.overlay}});
   Offscreen offscreen(testDevice(), extent);
   const GpuImage image(testDevice(),
                        {.format = VK_FORMAT_D32_SFLOAT,
@@ -90,4 +91,16 @@ TEST_CASE("a scene at infinity is far, and so is the paper's order") {
     for (const float value : depthOf(stage, stage.plan(cameraAt({0.4, 0, 0}), settings), {.nearPlane = 0.1}))
       REQUIRE(value >= 0.9999f);  // ranks share the depth buffer's digits
   }
+}
+
+TEST_CASE("overlays leave the caller's depth as it is, but where overlaps are counted all is far") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  const Camera view = cameraAt({0.45, 0.3, 0.2}, 0.05);
+  RenderSettings settings = withTiers();
+  const std::vector<float> plain = depthOf(stage, stage.plan(view, settings), {.nearPlane = 0.1});
+  settings.overlay = Overlay::tiers;
+  CHECK(depthOf(stage, stage.plan(view, settings), {.nearPlane = 0.1}) == plain);
+  settings.overlay = Overlay::overlap;
+  for (const float value : depthOf(stage, stage.plan(view, settings), {.nearPlane = 0.1}))
+    if (value != 1) FAIL(value);
 }
