@@ -31,9 +31,10 @@ bool showsPicture(Overlay overlay) {
   return overlay == Overlay::wireframe || overlay == Overlay::tiers || overlay == Overlay::weights;
 }
 
-// A step's depth, where overlaps are counted.
+// A step's depth, where overlaps are counted: behind what a step's own range holds, so that DepthPass takes it for far.
 VkViewport flat(VkExtent2D extent, std::uint32_t step) {
-  const float depth = 1.0f - float(step + 1) / float(kLargestStepCount + 1);
+  const float share = 1.0f - float(step + 1) / float(kLargestStepCount + 1);
+  const float depth = kStepDepth + 0.4f * (1.0f - kStepDepth) * share;
   return {0, 0, float(extent.width), float(extent.height), depth, depth};
 }
 
