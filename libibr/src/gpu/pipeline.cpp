@@ -83,13 +83,13 @@ PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipeline
       .lineWidth = 1.0f};
   const VkPipelineMultisampleStateCreateInfo samples{.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
                                                      .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-  const VkPipelineDepthStencilStateCreateInfo depth{
-      .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-      .depthTestEnable = info.depthTest || depthOnly,
-      .depthWriteEnable = info.depthWrite || depthOnly,
-      .depthCompareOp = depthOnly && !info.depthTest ? VK_COMPARE_OP_ALWAYS
-                        : info.depthEqual            ? VK_COMPARE_OP_LESS_OR_EQUAL
-                                                     : VK_COMPARE_OP_LESS};
+  const VkPipelineDepthStencilStateCreateInfo depth{.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+                                                    .depthTestEnable = info.depthTest || depthOnly,
+                                                    .depthWriteEnable = info.depthWrite || depthOnly,
+                                                    .depthCompareOp = depthOnly && !info.depthTest
+                                                                          ? VK_COMPARE_OP_ALWAYS
+                                                                      : info.depthEqual ? VK_COMPARE_OP_LESS_OR_EQUAL
+                                                                                        : VK_COMPARE_OP_LESS};
   std::array<VkPipelineColorBlendAttachmentState, kMostColours> blends{};
   blends.fill(blendState(info.blending));
   const VkPipelineColorBlendStateCreateInfo blending{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,

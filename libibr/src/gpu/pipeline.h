@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipelines and their layouts, with the states that our passes share fixed: no culling, one sample, viewport and scissor
-// dynamic.
+// Pipelines and their layouts, with the states that our passes share fixed: no culling, one sample, viewport and
+// scissor dynamic.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
