@@ -138,10 +138,9 @@ std::string report(const Viewer& viewer, const Window& window) {
   const VkExtent2D size = window.pixels();
   Json warnings = Json::array(), said = Json::array();
   for (const LogLine& line : viewer.log) (line.level >= LogLevel::warning ? warnings : said).push_back(line.text);
-  return Json{{"frames", viewer.frames},          {"size", {size.width, size.height}},
-              {"current", viewer.current},        {"times", timesJson(viewer)},
-              {"residentBytes", residentBytes()}, {"places", std::move(places)},
-              {"warnings", std::move(warnings)},  {"said", std::move(said)}}
+  return Json{{"frames", viewer.frames},     {"size", {size.width, size.height}}, {"current", viewer.current},
+              {"onDevice", viewer.onDevice}, {"times", timesJson(viewer)},        {"residentBytes", residentBytes()},
+              {"places", std::move(places)}, {"warnings", std::move(warnings)},   {"said", std::move(said)}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 

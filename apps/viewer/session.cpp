@@ -135,6 +135,7 @@ void Session::forgetClosed() {
     if (closed) vkDeviceWaitIdle(device_.handle());
     return closed;
   });
+  viewer_.onDevice = drawn_.size();
 }
 
 void Session::recordPicture(const Swapchain::Frame& frame, double seconds) {

@@ -62,6 +62,7 @@ struct Viewer {
   FrameHistory history;
   std::optional<double> firstPicture;  // s, from the program's start until the device had drawn a place
   std::size_t frames = 0;              // drawn
+  std::size_t onDevice = 0;            // places
   bool failed = false;                 // something could not be opened or drawn
 
   Place* place() { return current < places.size() ? places[current].get() : nullptr; }

@@ -19,7 +19,9 @@ struct Closer {
   void operator()(XImage* image) const { XDestroyImage(image); }
 };
 
+// Windows come and go, and change their size: no reason to end the program, as Xlib would.
 std::unique_ptr<Display, Closer> openDisplay() {
+  XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });
   std::unique_ptr<Display, Closer> display(XOpenDisplay(nullptr));
   if (!display) throw std::runtime_error("no display");
   return display;
@@ -102,16 +104,31 @@ class DragSource {
   std::string text_;
 };
 
+// Where desktops say it.
+void setDpi(int dotsPerInch) {
+  const auto display = openDisplay();
+  const std::string text = "Xft.dpi:\t" + std::to_string(dotsPerInch) + "\n";
+  XChangeProperty(display.get(), DefaultRootWindow(display.get()), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
+                  reinterpret_cast<const unsigned char*>(text.data()), int(text.size()));
+}
+
 }  // namespace
+
+MonitorDpi::MonitorDpi(int dotsPerInch) {
+  setDpi(dotsPerInch);
+}
+MonitorDpi::~MonitorDpi() {
+  setDpi(96);
+}
 
 Image8 pixelsOf(const std::string& window) {
   const auto display = openDisplay();
   const Window id = std::stoul(window);
   XWindowAttributes is{};
-  if (!XGetWindowAttributes(display.get(), id, &is)) throw std::runtime_error("no such window");
+  if (!XGetWindowAttributes(display.get(), id, &is)) return {};
   const std::unique_ptr<XImage, Closer> seen(
       XGetImage(display.get(), id, 0, 0, unsigned(is.width), unsigned(is.height), AllPlanes, ZPixmap));
-  if (!seen) throw std::runtime_error("the window's pixels cannot be read");
+  if (!seen) return {};
   Image8 image(is.width, is.height, 3);
   for (int y = 0; y < is.height; ++y)
     for (int x = 0; x < is.width; ++x) {

@@ -10,11 +10,21 @@
 
 namespace ibr::test {
 
-/// What a window shows, RGB. `window` is its number, as xdotool has it. Throws std::runtime_error.
+/// What a window shows, RGB; nothing while it cannot be read, as when it changes its size. `window` is its number, as
+/// xdotool has it.
 Image8 pixelsOf(const std::string& window);
 
 /// Drags files and folders into the middle of a window and lets go, as file managers do. Throws std::runtime_error
 /// where the window does not take them within ten seconds.
 void dropOnto(const std::string& window, const std::vector<std::filesystem::path>& paths);
+
+/// Programs that are started while this lives take the monitor to have so many dots an inch; 96 before and after.
+class MonitorDpi {
+ public:
+  explicit MonitorDpi(int dotsPerInch);
+  ~MonitorDpi();
+  MonitorDpi(const MonitorDpi&) = delete;
+  MonitorDpi& operator=(const MonitorDpi&) = delete;
+};
 
 }  // namespace ibr::test
