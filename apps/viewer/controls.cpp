@@ -39,7 +39,7 @@ constexpr std::array kKeys{
     KeyHelp{"F1", "this help"},
     KeyHelp{"F2", "hide and show the interface"},
     KeyHelp{"1 to 8", "pages of the side panel"},
-    KeyHelp{"F6", "keyboard into the side panel (arrows, space, enter), and back; ctrl tab: other panels"},
+    KeyHelp{"F6", "keyboard into the panels one by one (arrows, space, enter), and back"},
     KeyHelp{"ctrl +, -, 0", "larger, smaller interface, as it was"},
     KeyHelp{"ctrl W", "close the place"},
     KeyHelp{"ctrl Q", "quit"},
@@ -156,9 +156,6 @@ void pressWithControl(Viewer& viewer, int key) {
       return;
     case GLFW_KEY_PAGE_UP:
       if (n > 0) viewer.current = (viewer.current + n - 1) % n;
-      return;
-    case GLFW_KEY_TAB:  // ImGui goes through its windows
-      viewer.panelHasKeys = true;
       return;
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD:

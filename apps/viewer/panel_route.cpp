@@ -20,7 +20,6 @@ void showRoute(PanelInput& input) {
       place.showRoute();
   }
   if (ImGui::Button("save (ctrl S)")) input.viewer.wantsRoute = true;
-  ImGui::SameLine();
   if (ImGui::Button("video (ctrl M)")) input.viewer.wantsVideo = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Made beside the viewer, of the window's size, as it is drawn now");
   ImGui::Checkbox("again and again", &place.repeatingRoute);

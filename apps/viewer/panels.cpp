@@ -13,7 +13,7 @@
 namespace ibr::app {
 namespace {
 
-constexpr const char* kSidePanel = "ibr";
+constexpr const char *kSidePanel = "ibr", *kTimeLine = "time", *kMessage = "message";
 
 struct Tab {
   const char* name;
@@ -64,12 +64,18 @@ void chooseTab(std::size_t& shown) {
   ImGui::Separator();
 }
 
-// Who asks for the keyboard gets it; a mouse that was used elsewhere has taken it back.
-void giveKeys(Viewer& viewer, const char* panel) {
+// Who asks for the keyboard gets it, one panel after the other; a mouse that was used elsewhere has taken it back.
+void giveKeys(Viewer& viewer) {
+  std::vector<const char*> panels;
+  if (viewer.place()) panels.push_back(kSidePanel);
+  if (viewer.place() && viewer.place()->video) panels.push_back(kTimeLine);
+  if (!viewer.jobs.empty()) panels.push_back(kMessage);
   const bool focused = ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow);
   if (std::exchange(viewer.wantsPanelKeys, false)) {
-    viewer.panelHasKeys = !(focused && (viewer.panelHasKeys || ImGui::GetIO().NavVisible));
-    ImGui::SetWindowFocus(viewer.panelHasKeys ? panel : nullptr);
+    const bool inside = focused && (viewer.panelHasKeys || ImGui::GetIO().NavVisible);
+    viewer.keyPanel = inside ? viewer.keyPanel + 1 : 0;
+    viewer.panelHasKeys = viewer.keyPanel < panels.size();
+    ImGui::SetWindowFocus(viewer.panelHasKeys ? panels[viewer.keyPanel] : nullptr);
   }
   if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui begins with the keyboard in some panel
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
@@ -109,7 +115,7 @@ void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys)
 
 void showAll(PanelInput& input) {
   Viewer& viewer = input.viewer;
-  giveKeys(viewer, kSidePanel);
+  giveKeys(viewer);
   if (viewer.showInterface) {
     if (viewer.place()) {
       showSidePanel(input);
@@ -160,7 +166,7 @@ void showMessage(PanelInput& input) {
   if (!still) viewer.message.clear();
   if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  beginCard("message", {0.5f * size.x, size.y - 16}, {0.5f, 1},
+  beginCard(kMessage, {0.5f * size.x, size.y - 16}, {0.5f, 1},
             viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
@@ -186,7 +192,7 @@ void showTimeLine(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.1f * size.x, size.y - 4.5f * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({0.55f * size.x, 0}, ImGuiCond_FirstUseEver);
-  if (ImGui::Begin("time", nullptr,
+  if (ImGui::Begin(kTimeLine, nullptr,
                    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoFocusOnAppearing)) {
     if (ImGui::Button(place.playing ? "pause" : "play ")) place.playing = !place.playing;
     ImGui::SameLine();

@@ -44,8 +44,9 @@ struct Viewer {
   bool showInterface = true;    // F2
   bool showHelp = false;        // F1
   std::size_t shownPanel = 0;   // of the side panel's
-  bool wantsPanelKeys = false;  // F6: the keyboard goes to the side panel, or back to the view
+  bool wantsPanelKeys = false;  // F6: the keyboard goes to the next panel, or back to the view
   bool panelHasKeys = false;    // it is there
+  std::size_t keyPanel = 0;     // where F6 has brought it last
   float interfaceScale = 1;     // of that of the monitor; ctrl +, ctrl -
   bool layOut = false;          // panels are to take the sizes that they begin with
   bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;

@@ -468,6 +468,27 @@ TEST_CASE("O goes through the overlays, and screenshots of them are drawn again 
   CHECK(readImage(folder / "view_0002.png").values != readImage(folder / "view_0003.png").values);
 }
 
+TEST_CASE("what is being made is stopped by keys alone") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const json report =
+      whileViewing({test::tinyScene(), "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string&) {
+        xdotool({"key", "k"});
+        hold("w", 6);  // a path that takes long to draw
+        xdotool({"key", "k"});
+        sleepFor(0.5);
+        for (const char* key : {"ctrl+m", "F6", "F6", "Down", "space"}) {
+          xdotool({"key", key});
+          sleepFor(0.4);
+        }
+        sleepFor(1);
+      });
+  CHECK(fs::exists(folder / "out/path_0001.json"));
+  CHECK(!fs::exists(folder / "out/path_0001.mp4"));
+  CHECK_THAT(report["said"].dump(), Contains("stopped"));
+  CHECK(report["warnings"].empty());
+}
+
 TEST_CASE("a shader that is edited shows at once, a broken one shows what the compiler says") {
   if (!canView()) return;
   test::TemporaryFolder folder;
