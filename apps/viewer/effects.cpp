@@ -16,10 +16,6 @@ namespace {
 
 constexpr const char* kReference = "reference";
 
-VkExtent2D extentOf(const Camera& view) {
-  return {std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
-}
-
 }  // namespace
 
 bool Effects::done() const {
@@ -41,7 +37,7 @@ void measureNext(Effects& effects, PlaceOnDevice& place, std::uint64_t& frame) {
   };
   const auto line = std::ranges::find_if(effects.lines, wanted);
   if (line == effects.lines.end()) return;
-  TimedPicture picture = place.timed(line->settings, extentOf(effects.view), frame);
+  TimedPicture picture = place.timed(effects.view, line->settings, frame);
   if (effects.reference.values.empty()) effects.reference = picture.image;
   line->measured = {picture.milliseconds, psnr(picture.image, effects.reference)};
 }

@@ -101,6 +101,15 @@ nlohmann::ordered_json trustJson(const Place& place) {
           {"extrapolation", place.trust->extrapolation}};
 }
 
+// What was measured of presets; infinite where a picture is the reference's own, which is null.
+nlohmann::ordered_json effectsJson(const Place& place) {
+  nlohmann::ordered_json lines = nlohmann::ordered_json::object();
+  if (place.effects)
+    for (const Effect& line : place.effects->lines)
+      if (line.measured) lines[line.name] = {{"ms", line.measured->milliseconds}, {"psnr", line.measured->psnr}};
+  return lines;
+}
+
 // Of the last frames that followed one another, and of the first.
 nlohmann::ordered_json timesJson(const Viewer& viewer) {
   using Json = nlohmann::ordered_json;
@@ -133,6 +142,7 @@ std::string report(const Viewer& viewer, const Window& window) {
                       {"fovY", place->walk.fovY},
                       {"centre", centre ? Json{centre->x, centre->y, centre->z} : Json()},
                       {"trust", trustJson(*place)},
+                      {"effects", effectsJson(*place)},
                       {"settings", settingsOf(*place, {})}});
   }
   const VkExtent2D size = window.pixels();

@@ -151,12 +151,17 @@ void showHelp(PanelInput& input) {
 void showWelcome(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
+  ImGui::PushTextWrapPos(std::min(0.9f * size.x, 42 * ImGui::GetFontSize()));
   ImGui::TextUnformatted("Drop a folder here:");
-  ImGui::BulletText("photographs of one place, which overlap well: they are made a scene");
-  ImGui::BulletText("a scene, as ibr build makes it");
-  ImGui::BulletText("a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them");
+  for (const char* kind :
+       {"photographs of one place, which overlap well: they are made a scene", "a scene, as ibr build makes it",
+        "a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them"}) {
+    ImGui::Bullet();
+    ImGui::TextUnformatted(kind);
+  }
   ImGui::Spacing();
   ImGui::TextDisabled("F1: keys     %s", input.device.c_str());
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 

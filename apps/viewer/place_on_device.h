@@ -49,8 +49,8 @@ class PlaceOnDevice {
   /// frames that it takes. Throws Error.
   virtual Image8 picture(VkExtent2D extent, std::uint64_t& frame) = 0;
 
-  /// A picture of the view with other settings, and what it costs: the median of a few frames. As `picture`. Of scenes.
-  virtual TimedPicture timed(const RenderSettings&, VkExtent2D, std::uint64_t&) { return {}; }
+  /// A picture of any view with any settings, and what it costs: the median of a few frames. As `picture`. Of scenes.
+  virtual TimedPicture timed(const Camera&, const RenderSettings&, std::uint64_t&) { return {}; }
 
   /// The point of the world that a pixel of the view shows (px), where there is one. Waits for the device. Throws
   /// Error.

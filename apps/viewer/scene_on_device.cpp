@@ -65,9 +65,10 @@ class SceneOnDevice final : public PlaceOnDevice {
     });
   }
 
-  TimedPicture timed(const RenderSettings& settings, VkExtent2D extent, std::uint64_t& frame) override {
+  TimedPicture timed(const Camera& view, const RenderSettings& settings, std::uint64_t& frame) override {
     constexpr int kFrames = 5;  // after the first, which is slow
-    const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, settings, 0}, {});
+    const FramePlan plan = planFrame(*place_.scene, bounds_, {{view}, settings, 0}, {});
+    const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
     Offscreen offscreen(device_, extent);
     streamAll(device_, gpuScene_, plan, frame);
     const Renderer renderer(device_, gpuScene_, needsOf(settings, extent));

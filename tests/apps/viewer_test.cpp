@@ -673,6 +673,28 @@ TEST_CASE("a camera path is shown from the start, again and again") {
   CHECK_THAT(bad.err, Contains("path.json"));
 }
 
+TEST_CASE("presets are measured where the view stands") {
+  if (!canView()) return;
+  const json place =
+      whileViewing({test::tinyScene(), "--size", "500x400", "--preset", "accurate"}, [](const std::string& w) {
+        xdotool({"key", "2"});
+        sleepFor(0.5);
+        // Where the buttons of the last preset and of what measures stand, more or less.
+        for (int y = 224; y > 195; y -= 6)
+          xdotool({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
+        sleepFor(5);
+      })["places"][0];
+  const json& effects = place["effects"];
+  INFO(effects.dump());
+  for (const char* name : {"fast", "balanced", "accurate", "reference", "as set"}) {
+    REQUIRE(effects.contains(name));
+    CHECK(effects[name]["ms"] > 0);
+  }
+  CHECK(effects["reference"]["psnr"].is_null());
+  CHECK(effects["fast"]["psnr"] > 10);
+  CHECK(effects["fast"]["psnr"] < effects["accurate"]["psnr"]);
+}
+
 TEST_CASE("a view that stands says how far it may be trusted") {
   if (!canView()) return;
   const auto after = [](const char* key, double seconds) {
