@@ -41,14 +41,14 @@ constexpr std::array kKeys{
     KeyHelp{"1 to 8", "pages of the side panel"},
     KeyHelp{"F6", "keyboard into the panels one by one (arrows, space, enter), and back"},
     KeyHelp{"ctrl +, -, 0", "larger, smaller interface, as it was"},
-    KeyHelp{"ctrl W", "close the place"},
+    KeyHelp{"ctrl O, ctrl W", "open a place, close it"},
     KeyHelp{"ctrl Q", "quit"},
 };
 
 // Walking stops while keys go through a panel; one that was only clicked leaves them to the view.
 bool panelTakesKeys(const Viewer& viewer) {
   const ImGuiIO& io = ImGui::GetIO();
-  return io.WantTextInput || io.NavVisible || viewer.panelHasKeys;
+  return io.WantTextInput || io.NavVisible || viewer.panelHasKeys || viewer.asksForFolder;
 }
 
 NavigationInput handsOf(const Viewer& viewer, Place& place, double seconds) {
@@ -137,6 +137,9 @@ void pressWithControl(Viewer& viewer, int key) {
   constexpr float kStep = 1.25f;
   const std::size_t n = viewer.places.size();
   switch (key) {
+    case GLFW_KEY_O:
+      viewer.asksForFolder = true;
+      return;
     case GLFW_KEY_W:
       return viewer.closeCurrent();
     case GLFW_KEY_S:
@@ -180,7 +183,7 @@ void pressOne(Viewer& viewer, const KeyPress& press) {
   if (press.key == GLFW_KEY_F2) viewer.showInterface = !viewer.showInterface;
   if (press.key == GLFW_KEY_F6) viewer.wantsPanelKeys = viewer.showInterface = true;
   if (press.control && press.key == GLFW_KEY_Q) viewer.wantsClose = true;
-  if (ImGui::GetIO().WantTextInput) return;
+  if (ImGui::GetIO().WantTextInput || viewer.asksForFolder) return;
   if (press.control) return pressWithControl(viewer, press.key);
   if (panelTakesKeys(viewer)) return;
   if (press.key >= GLFW_KEY_1 && press.key <= GLFW_KEY_9) {

@@ -126,6 +126,7 @@ void showAll(PanelInput& input) {
     }
   }
   if (viewer.showHelp) showHelp(input);
+  showOpen(input);
   if (viewer.showInterface || !viewer.opening.empty() || !viewer.jobs.empty() || !viewer.shaderFaults.empty())
     showMessage(input);
 }
@@ -152,7 +153,7 @@ void showWelcome(PanelInput& input) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
   ImGui::PushTextWrapPos(std::min(0.9f * size.x, 42 * ImGui::GetFontSize()));
-  ImGui::TextUnformatted("Drop a folder here:");
+  ImGui::TextUnformatted("Drop a folder here, or type its name (ctrl O):");
   for (const char* kind :
        {"photographs of one place, which overlap well: they are made a scene", "a scene, as ibr build makes it",
         "a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them"}) {

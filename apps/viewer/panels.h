@@ -47,6 +47,7 @@ void settingsChanged(Place& place);
 // Over the picture itself.
 void showHelp(PanelInput& input);
 void showWelcome(PanelInput& input);  // nothing is open
+void showOpen(PanelInput& input);     // while a folder is asked for
 void showMessage(PanelInput& input);
 void showTimeLine(PanelInput& input);  // 3D video
 void showLegend(PanelInput& input);    // while there is an overlay

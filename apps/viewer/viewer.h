@@ -51,6 +51,8 @@ struct Viewer {
   bool layOut = false;          // panels are to take the sizes that they begin with
   bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
   bool wantsClose = false;
+  bool asksForFolder = false;  // ctrl O
+  std::string typedFolder;     // there, last
   std::set<int>
       shortcutKeys;  // places of keys pressed with ctrl that are still down: they do not fly when ctrl is let go first
   std::string message;  // for a moment, over the picture

@@ -821,6 +821,49 @@ TEST_CASE("a folder that is dropped on the window is opened") {
   CHECK(report["places"][0]["place"] == (folder / "a scene").string());
 }
 
+TEST_CASE("a folder is typed, completed and opened by keys alone") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  for (const char* name : {"the scene", "other"})
+    fs::copy(test::tinyScene(), folder / name, fs::copy_options::recursive);
+  Image8 pixels;
+  const json report = whileViewing({"--size", "640x480", "--no-interface", "--screenshot", folder / "shot.png"},
+                                   [&](const std::string& window) {
+                                     const auto type = [](std::vector<std::string> keys) {
+                                       for (const std::string& key : keys) {
+                                         xdotool({"key", key});
+                                         sleepFor(0.4);
+                                       }
+                                     };
+                                     const auto write = [](const std::string& text) {
+                                       xdotool({"type", "--delay", "40", text});
+                                       sleepFor(0.4);
+                                     };
+                                     type({"ctrl+o"});
+                                     write((folder / "the").string());
+                                     type({"Tab", "Return"});
+                                     waitForPlace(window);
+                                     type({"ctrl+o", "ctrl+a"});
+                                     write((folder / "none").string());
+                                     type({"Return"});
+                                     type({"ctrl+o", "ctrl+a"});
+                                     write((folder / "other").string());
+                                     type({"Escape", "bracketright"});  // not opened; keys are the view's again
+                                     sleepFor(1.2);
+                                     hold("Right", 0.3);
+                                     pixels = settledPixels(window);
+                                   });
+  REQUIRE(report["places"].size() == 1);
+  CHECK(report["places"][0]["place"] == (folder / "the scene/").string());
+  REQUIRE(report["warnings"].size() == 1);
+  CHECK_THAT(report["warnings"][0].get<std::string>(), Contains("none") && Contains("missing"));
+  const auto begin = json::parse(view({test::tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
+  CHECK(positionOf(report["places"][0]) != positionOf(begin));
+  CHECK(rotationOf(report["places"][0]) != rotationOf(begin));
+  CHECK(report["places"][0]["settings"] == begin["settings"]);  // what was typed did nothing else
+  CHECK(pixels.values == readImage(folder / "shot.png").values);
+}
+
 TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
   if (!canView()) return;
   test::TemporaryFolder folder;
