@@ -172,7 +172,8 @@ void showMessage(PanelInput& input) {
   if (!still) viewer.message.clear();
   if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  beginCard(kMessage, {0.5f * size.x, size.y - 16}, {0.5f, 1},
+  const bool aboveTimeLine = viewer.showInterface && viewer.place() && viewer.place()->video;
+  beginCard(kMessage, {0.5f * size.x, size.y - (aboveTimeLine ? 5 * ImGui::GetFontSize() : 16)}, {0.5f, 1},
             viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
   for (const Opening& opening : viewer.opening)
     ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());

@@ -210,8 +210,8 @@ bool Session::draw() {
     timers_[frame->slot]->reset(frame->commands);
     timed_[frame->slot] = viewer_.frames;
     viewer_.history.add(viewer_.frames, std::exchange(rested_, false) ? std::nanf("") : float(1e3 * seconds));
-    showPanels();
     const std::size_t before = viewer_.current, places = viewer_.places.size();
+    showPanels();
     press(viewer_, window_.takeKeys());
     if (Place* place = viewer_.place())
       if (control(viewer_, *place, std::min(seconds, kLongestStep))) pictureWanted_ = true;

@@ -8,7 +8,7 @@ using namespace ibr;
 
 namespace {
 
-// Two squares before one another, z = −2 and z = −5, the first smaller, and one behind the eye.
+// Squares before one another, z = −2, −5 and −7, the first smaller, and one behind the eye; in no order.
 TriangleMesh squares(glm::dvec3 at) {
   TriangleMesh mesh;
   const auto add = [&](double half, double z) {
@@ -21,6 +21,7 @@ TriangleMesh squares(glm::dvec3 at) {
   add(4, -5);
   add(1, -2);
   add(4, 3);
+  add(4, -7);
   mesh.triangles.emplace_back(0, 0, 1);  // of no area
   return mesh;
 }
