@@ -85,6 +85,25 @@ bool handsMove(const NavigationInput& hands) {
   return hands.move != glm::dvec3(0) || hands.look != glm::dvec2(0) || hands.orbit != glm::dvec2(0);
 }
 
+// By a flight, a panel or a key, since the route was shown last.
+bool wasMoved(const Place& place) {
+  const Navigation& walk = place.walk;
+  return walk.flight || walk.pose.position != place.routePose.position ||
+         walk.pose.rotation != place.routePose.rotation || walk.fovY != place.routeFovY;
+}
+
+// Whether it goes on.
+bool followRoute(Place& place, double seconds) {
+  const double first = place.route.keys.front().time, whole = place.route.keys.back().time - first;
+  const Camera shown = cameraAt(place.route, first + place.routeTime);
+  place.walk.pose = place.routePose = shown.pose;
+  place.walk.fovY = place.routeFovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
+  place.walk.velocity = glm::dvec3(0);
+  place.routeTime += seconds;
+  if (place.repeatingRoute && whole > 0) place.routeTime = std::fmod(place.routeTime, whole);
+  return place.showingRoute = place.routeTime < whole;
+}
+
 void goTo(Place& place, std::optional<std::size_t> viewpoint) {
   if (viewpoint) place.flyToViewpoint(*viewpoint);
 }
@@ -209,19 +228,9 @@ bool control(Viewer& viewer, Place& place, double seconds) {
   const double fovBefore = place.walk.fovY;
   const NavigationInput hands = handsOf(viewer, place, seconds);
   if (!ImGui::GetIO().WantCaptureMouse && ImGui::IsAnyMouseDown()) ImGui::SetWindowFocus(nullptr);
-  bool goesOn = navigate(place.walk, hands, place.bounded ? &place.bounds : nullptr);
-  if (place.showingRoute && !handsMove(hands)) {
-    const CameraKey& last = place.route.keys.back();
-    const Camera shown = cameraAt(place.route, place.route.keys.front().time + place.routeTime);
-    place.walk.pose = shown.pose;
-    place.walk.fovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
-    place.routeTime += seconds;
-    const double whole = last.time - place.route.keys.front().time;
-    if (place.repeatingRoute && whole > 0) place.routeTime = std::fmod(place.routeTime, whole);
-    goesOn = place.showingRoute = place.routeTime < whole;
-  } else {
-    place.showingRoute = false;
-  }
+  place.showingRoute = place.showingRoute && !handsMove(hands) && !wasMoved(place);
+  bool goesOn = place.showingRoute ? followRoute(place, seconds)
+                                   : navigate(place.walk, hands, place.bounded ? &place.bounds : nullptr);
   bool changed = goesOn || place.walk.pose.position != before.position || place.walk.pose.rotation != before.rotation ||
                  place.walk.fovY != fovBefore;
   if (place.video && place.playing) {

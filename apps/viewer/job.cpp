@@ -40,7 +40,7 @@ void Job::run() {
         break;
       }
     }
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     say(e.what());
     ended = State::failed;
   }

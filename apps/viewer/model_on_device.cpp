@@ -36,6 +36,7 @@ class ModelOnDevice final : public PlaceOnDevice {
   bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
 
   Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
+    choose(true);  // what the picture says that it shows
     Offscreen offscreen(device_, extent);
     const HtmRenderer renderer(device_, *gpuModel_, {.largest = extent});
     const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
@@ -71,13 +72,14 @@ class ModelOnDevice final : public PlaceOnDevice {
   }
 
  private:
-  // The model of this moment; one that is not there yet comes later, and the last one stays until then.
-  void choose() {
+  // The model of this moment. One that is not there yet is waited for, or comes later and the last one stays until
+  // then.
+  void choose(bool waits = false) {
     std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*place_.model};
     HtmPictureSource source = readHtmPicture;
     if (place_.video) {
       const std::size_t index = place_.video->frameAt(place_.time);
-      const auto frame = model_ ? place_.video->tryFrame(index) : place_.video->frame(index);
+      const auto frame = model_ && !waits ? place_.video->tryFrame(index) : place_.video->frame(index);
       waiting_ = !frame;
       if (!frame) return;
       model = {frame, &frame->model};

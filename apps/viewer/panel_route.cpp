@@ -31,7 +31,8 @@ void showRoute(PanelInput& input) {
   }
   if (route.keys.size() > 1) {
     float seconds = float(route.keys.back().time - route.keys.front().time);
-    if (ImGui::SliderFloat("seconds", &seconds, 0.5f, 120, "%.1f", ImGuiSliderFlags_Logarithmic))
+    if (ImGui::SliderFloat("seconds", &seconds, 0.5f, 120, "%.1f",
+                           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
       retimeToLast(route, double(seconds));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("From the first key to the last, at one speed");
   }

@@ -32,7 +32,8 @@ bool choose(const char* label, T& value, const std::array<std::pair<const char*,
 bool slide(const char* label, double& value, double low, double high, const char* format, const char* help,
            ImGuiSliderFlags flags = 0) {
   float now = float(value);
-  const bool changed = ImGui::SliderFloat(label, &now, float(low), float(high), format, flags);
+  const bool changed =
+      ImGui::SliderFloat(label, &now, float(low), float(high), format, flags | ImGuiSliderFlags_AlwaysClamp);
   if (changed) value = double(now);
   hint(help);
   return changed;
@@ -40,8 +41,8 @@ bool slide(const char* label, double& value, double low, double high, const char
 
 bool count(const char* label, std::uint32_t& value, int low, int high, const char* help) {
   int now = int(value);
-  const bool changed = ImGui::SliderInt(label, &now, low, high);
-  if (changed) value = std::uint32_t(std::clamp(now, low, high));
+  const bool changed = ImGui::SliderInt(label, &now, low, high, "%d", ImGuiSliderFlags_AlwaysClamp);
+  if (changed) value = std::uint32_t(now);
   hint(help);
   return changed;
 }
@@ -77,7 +78,9 @@ bool sceneSettings(RenderSettings& s) {
                     "ours: right for static points everywhere; the paper's: unclamped weights, no depth");
   changed |= count("cells", s.maxCells, 1, int(kLargestCellCount), "At most so many are drawn, best first");
   changed |= count("backdrops", s.maxBackdrops, 0, int(kLargestBackdropCount), "Whole photographs behind the cells");
-  const auto tier = [&] { return ImGui::SliderInt("lowest tier", &s.lowestTier, 0, 3); };
+  const auto tier = [&] {
+    return ImGui::SliderInt("lowest tier", &s.lowestTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
+  };
   changed |= tier();
   hint("0: what agrees in all photographs; 1: also what one of them shows; 2: also backdrops; 3: holes are filled");
   changed |= slide("extrapolation", s.extrapolationLimit, 0, 8, "%.2f cells",

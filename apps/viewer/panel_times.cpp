@@ -22,12 +22,9 @@ ImU32 colourOf(std::size_t index) {
   return kColours[index % kColours.size()];
 }
 
-// A square of a legend, before its text.
-void swatch(ImU32 colour) {
-  const float side = ImGui::GetFontSize();
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + side, at.y + side}, colour);
-  ImGui::Dummy({side, side});
+void swatchOf(std::size_t index) {
+  const ImVec4 colour = ImGui::ColorConvertU32ToFloat4(colourOf(index));
+  swatch({colour.x, colour.y, colour.z});
   ImGui::SameLine();
 }
 
@@ -55,7 +52,7 @@ void tellFrame(const FrameTimes& times, const FrameHistory& history) {
   ImGui::Text("frame %zu", times.frame);
   if (!std::isnan(times.sinceLast)) ImGui::Text("%8.2f ms since the one before", double(times.sinceLast));
   for (const auto& [pass, milliseconds] : times.passes) {
-    swatch(colourOf(pass));
+    swatchOf(pass);
     ImGui::Text("%6.2f ms  %s", double(milliseconds), history.names()[pass].c_str());
   }
   ImGui::EndTooltip();
@@ -145,7 +142,7 @@ void showTimes(PanelInput& input) {
   for (const ScopeTime& scope : viewer.deviceTimes) {
     const float indent = float(scope.depth) * ImGui::GetFontSize() + 0.01f;
     ImGui::Indent(indent);
-    if (scope.depth == 0) swatch(colourOf(viewer.history.indexOf(scope.name)));
+    if (scope.depth == 0) swatchOf(viewer.history.indexOf(scope.name));
     ImGui::Text("%8.3f ms  %s", scope.milliseconds, scope.name.c_str());
     ImGui::Unindent(indent);
   }
@@ -165,7 +162,7 @@ void showMemory(PanelInput& input) {
   drawBar(input.memory, false, device.bytes);
   ImGui::Separator();
   for (std::size_t i = 0; i < input.memory.size(); ++i) {
-    swatch(colourOf(i));
+    swatchOf(i);
     ImGui::Text("%9.1f MiB  %s", inMiB(input.memory[i].bytes), input.memory[i].name.c_str());
   }
   if (device.used)

@@ -27,7 +27,8 @@ void showRoaming(Place& place) {
                          ? "near them"
                          : fmt::format("{:.1f} steps beyond", (away - place.bounds.radius) / place.step).c_str());
   float radius = float(place.bounds.radius / place.step);
-  if (ImGui::SliderFloat("how near", &radius, 0.1f, 20, "%.2f steps", ImGuiSliderFlags_Logarithmic))
+  if (ImGui::SliderFloat("how near", &radius, 0.1f, 20, "%.2f steps",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
     place.bounds.radius = double(radius) * place.step;
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
@@ -62,7 +63,7 @@ void showTrust(const std::optional<Trust>& trust) {
     ImGui::EndTooltip();
   }
   if (!trust) {
-    ImGui::TextDisabled("how far this view may be trusted: once it stands");
+    ImGui::TextWrapped("how far this view may be trusted is told once it stands");
     return;
   }
   const std::string depth =
@@ -71,9 +72,9 @@ void showTrust(const std::optional<Trust>& trust) {
                             : trust->extrapolation > 0
                                 ? fmt::format("{:.2f} cells outside the best", trust->extrapolation)
                                 : "inside the best cell";
-  ImGui::TextUnformatted(
-      fmt::format("{:.0f} % of the picture agrees in all photographs\n{}, {}", 100 * trust->tiers[0], depth, place)
-          .c_str());
+  ImGui::TextWrapped("%s", fmt::format("{:.0f} % of the picture agrees in all photographs\n{}, {}",
+                                       100 * trust->tiers[0], depth, place)
+                               .c_str());
 }
 
 }  // namespace
@@ -85,12 +86,13 @@ void showView(PanelInput& input) {
   ImGui::Text("at      %.3f  %.3f  %.3f", p.x, p.y, p.z);
   ImGui::Text("looking %.3f  %.3f  %.3f", forward.x, forward.y, forward.z);
   float degrees = float(glm::degrees(place.walk.fovY));
-  if (ImGui::SliderFloat("field of view", &degrees, 10, 120, "%.0f degrees high")) {
+  if (ImGui::SliderFloat("field of view", &degrees, 10, 120, "%.0f degrees high", ImGuiSliderFlags_AlwaysClamp)) {
     place.walk.fovY = glm::radians(double(degrees));
     place.changed = true;
   }
   float speed = float(place.walk.speed / place.step);
-  if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s", ImGuiSliderFlags_Logarithmic))
+  if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
     place.walk.speed = double(speed) * place.step;
   showRoaming(place);
   if (place.scene) showTrust(place.trust);

@@ -81,6 +81,18 @@ void giveKeys(Viewer& viewer) {
   if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
 }
 
+// It stays as far from the window's right edge as it was, and inside.
+void followWindow(glm::vec2& laidOutFor) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const glm::vec2 before = std::exchange(laidOutFor, {size.x, size.y});
+  if (before == laidOutFor || before.x == 0) return;
+  const ImVec2 panel{std::min(ImGui::GetWindowWidth(), size.x), std::min(ImGui::GetWindowHeight(), size.y)};
+  const ImVec2 at = ImGui::GetWindowPos();
+  ImGui::SetWindowSize(panel);
+  ImGui::SetWindowPos(
+      {std::clamp(at.x + size.x - before.x, 0.0f, size.x - panel.x), std::clamp(at.y, 0.0f, size.y - panel.y)});
+}
+
 void showSidePanel(PanelInput& input) {
   Viewer& viewer = input.viewer;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -90,10 +102,14 @@ void showSidePanel(PanelInput& input) {
   ImGui::SetNextWindowPos({size.x - width - 10, 10}, when);
   ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, when);
   if (ImGui::Begin(kSidePanel, nullptr, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    followWindow(viewer.laidOutFor);
     const Place* place = viewer.place();
     showPlaces(input);
-    // What is known of the frame before is of that place.
-    if (viewer.place() == place) {
+    if (viewer.place() != place) {  // what is known of the frame before is of the other place
+      input.plan = nullptr;
+      input.memory.clear();
+      input.streamed.reset();
+    } else {
       viewer.shownPanel = std::min(viewer.shownPanel, kTabs.size() - 1);
       chooseTab(viewer.shownPanel);
       ImGui::PushID(int(viewer.shownPanel));
@@ -127,7 +143,8 @@ void showAll(PanelInput& input) {
   }
   if (viewer.showHelp) showHelp(input);
   showOpen(input);
-  if (viewer.showInterface || !viewer.opening.empty() || !viewer.jobs.empty() || !viewer.shaderFaults.empty())
+  if (viewer.showInterface || viewer.warned || !viewer.opening.empty() || !viewer.jobs.empty() ||
+      !viewer.shaderFaults.empty())
     showMessage(input);
 }
 

@@ -2,6 +2,7 @@
 #include "viewer/place.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -45,7 +46,8 @@ std::size_t middleOf(const std::vector<Pose>& poses) {
 }  // namespace
 
 Place openPlace(const fs::path& path) {
-  Place place{.path = path, .name = fs::absolute(path).lexically_normal().filename().string()};
+  static std::atomic<std::uint64_t> opened = 0;
+  Place place{.number = ++opened, .path = path, .name = fs::absolute(path).lexically_normal().filename().string()};
   if (place.name.empty()) place.name = fs::absolute(path).parent_path().filename().string();
   const std::optional<AssetKind> kind = assetKind(path);
   check(kind.has_value(), fs::exists(path) ? ErrorCode::invalidInput : ErrorCode::io, "{}: {}", path.string(),
@@ -100,6 +102,9 @@ void Place::addRouteKey() {
 void Place::showRoute() {
   showingRoute = !route.keys.empty();
   routeTime = 0;
+  routePose = walk.pose;
+  routeFovY = walk.fovY;
+  walk.flight.reset();
   // As in a video that is made of it.
   if (showingRoute && video && playing) time = std::fmod(route.keys.front().time, video->duration());
   changed = true;

@@ -27,6 +27,7 @@ struct Viewpoint {
 };
 
 struct Place {
+  std::uint64_t number = 0;  // of all that were opened: another place may later lie where this one lay
   std::filesystem::path path;
   std::string name;  // of the folder
   // One of them:
@@ -45,6 +46,8 @@ struct Place {
   CameraPath route{1280, 720, 30, {}};  // recorded key by key; the size is that of the window it is saved from
   double routeTime = 0;                 // s, while it is shown
   bool showingRoute = false, repeatingRoute = false;
+  Pose routePose;        // what was shown of it last: who has moved the view since then ends it
+  double routeFovY = 0;  // radians
   RenderSettings settings;
   HtmSettings htmSettings;
   double time = 0;  // s, of 3D video

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +94,7 @@ void Session::run() {
 PlaceOnDevice* Session::drawnPlace() {
   Place* place = viewer_.place();
   if (!place) return nullptr;
-  std::unique_ptr<PlaceOnDevice>& drawn = drawn_[place];
+  std::unique_ptr<PlaceOnDevice>& drawn = drawn_[place->number];
   if (!drawn) {
     GpuSceneOptions options = options_.gpuScene;
     options.log = [this](LogLevel level, std::string_view text) { viewer_.say(level, std::string(text)); };
@@ -114,7 +115,7 @@ void Session::reloadShaders() {
     viewer_.say(LogLevel::warning, fmt::format("{}: {}", fault.file, fault.text));
   if (result.replaced.empty()) return;
   const auto remake = [&] {
-    for (auto& [place, drawn] : drawn_) drawn->remakePipelines();
+    for (auto& [number, drawn] : drawn_) drawn->remakePipelines();
   };
   try {
     remake();
@@ -131,7 +132,7 @@ void Session::reloadShaders() {
 void Session::forgetClosed() {
   std::erase_if(drawn_, [&](const auto& entry) {
     const bool closed =
-        std::ranges::none_of(viewer_.places, [&](const auto& place) { return place.get() == entry.first; });
+        std::ranges::none_of(viewer_.places, [&](const auto& place) { return place->number == entry.first; });
     if (closed) vkDeviceWaitIdle(device_.handle());
     return closed;
   });
@@ -182,13 +183,26 @@ void Session::showPanels() {
   input.sceneBudget = options_.gpuScene.budgetBytes;
   input.budget = memoryBudget(device_);
   if (Place* place = viewer_.place())
-    if (const auto found = drawn_.find(place); found != drawn_.end()) {
+    if (const auto found = drawn_.find(place->number); found != drawn_.end()) {
       input.plan = found->second->plan();
       input.memory = found->second->memory();
       input.streamed = found->second->streamed();
     }
-  showAll(input);
+  try {
+    showAll(input);
+  } catch (const Error& e) {
+    ImGui::ErrorCheckEndFrameRecover(nullptr);  // ends what was begun
+    viewer_.say(LogLevel::error, e.what());
+  }
   ImGui::Render();
+}
+
+void Session::obeyHands(double seconds) try {
+  press(viewer_, window_.takeKeys());
+  if (Place* place = viewer_.place())
+    if (control(viewer_, *place, seconds)) pictureWanted_ = true;
+} catch (const Error& e) {
+  viewer_.say(LogLevel::error, e.what());  // what they asked for cannot be; the place stays as it is
 }
 
 bool Session::draw() {
@@ -212,9 +226,7 @@ bool Session::draw() {
     viewer_.history.add(viewer_.frames, std::exchange(rested_, false) ? std::nanf("") : float(1e3 * seconds));
     const std::size_t before = viewer_.current, places = viewer_.places.size();
     showPanels();
-    press(viewer_, window_.takeKeys());
-    if (Place* place = viewer_.place())
-      if (control(viewer_, *place, std::min(seconds, kLongestStep))) pictureWanted_ = true;
+    obeyHands(std::min(seconds, kLongestStep));
     if (viewer_.current != before || viewer_.places.size() != places) pictureWanted_ = true;
     if (pictureWanted_) redraws_ = std::max(redraws_, 1);
     recordPicture(*frame, std::min(seconds, kLongestStep));

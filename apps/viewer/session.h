@@ -54,6 +54,7 @@ class Session {
   bool draw();           // false: there is nothing to draw into now
   void fitInterface();
   void showPanels();
+  void obeyHands(double seconds);
   void recordPicture(const Swapchain::Frame& frame, double seconds);
   void grantWishes();
   void paste();
@@ -75,7 +76,7 @@ class Session {
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;
   std::array<std::size_t, kFramesInFlight> timed_{};  // frames that they have timed
   std::optional<ShaderReloader> shaders_;
-  std::map<const Place*, std::unique_ptr<PlaceOnDevice>> drawn_;
+  std::map<std::uint64_t, std::unique_ptr<PlaceOnDevice>> drawn_;  // by Place::number
   std::unique_ptr<Offscreen> picture_;  // the place without the interface, of the window's size
   std::uint64_t frame_ = 0;             // shown or being recorded
   int redraws_ = 3;                     // frames to be drawn before it may rest: the interface settles in two

@@ -41,8 +41,11 @@ void Session::grantWishes() {
 void Session::paste() {
   Place* place = viewer_.place();
   if (!place) return;
+  const std::string text = window_.clipboard();
+  if (text.find('{') == std::string::npos)
+    return viewer_.say(LogLevel::warning, "The clipboard holds no view; ctrl C copies one");
   try {
-    const TextView view = viewOf(window_.clipboard());
+    const TextView view = viewOf(text);
     flyTo(place->walk, view.pose, view.fovY, 0);
     place->changed = true;
   } catch (const Error& e) {
@@ -89,8 +92,11 @@ void Session::findOut() {
   if (!drawn || !picture_) return;
   const VkExtent2D extent = picture_->target().extent;
   if (const auto pixel = std::exchange(place->pickAt, std::nullopt)) {
-    if (const auto point = drawn->pointAt(extent, *pixel)) place->walk.centre = point;
-    if (!place->walk.centre) viewer_.show("Nothing is known there to go round");
+    if (const auto point = drawn->pointAt(extent, *pixel))
+      place->walk.centre = point;
+    else
+      viewer_.show(place->walk.centre ? "Nothing is known there: it goes round the point of before"
+                                      : "Nothing is known there to go round");
   }
   if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent);
   if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {

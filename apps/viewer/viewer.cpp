@@ -16,23 +16,33 @@ namespace fs = std::filesystem;
 namespace ibr::app {
 namespace {
 
-// The first settings are those of all places; they may name cells that this one does not have.
-void keepCellsOf(const Scene& scene, RenderSettings& settings) {
+// The first settings are those of all places; they may name cells that this one does not have. Whether they did.
+bool keepCellsOf(const Scene& scene, RenderSettings& settings) {
+  std::size_t dropped = 0;
   for (std::vector<std::uint32_t>* cells : {&settings.mutedCells, &settings.soloCells})
-    std::erase_if(*cells, [&](std::uint32_t cell) { return cell >= scene.cells.size(); });
+    dropped += std::erase_if(*cells, [&](std::uint32_t cell) { return cell >= scene.cells.size(); });
+  return dropped > 0;
+}
+
+bool same(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) || fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
 }
 
 }  // namespace
 
 void Viewer::open(const fs::path& path) {
-  std::error_code ignored;
   for (std::size_t i = 0; i < places.size(); ++i)
-    if (fs::equivalent(places[i]->path, path, ignored)) {
+    if (same(places[i]->path, path)) {
       current = i;
       return;
     }
+  if (std::ranges::any_of(opening, [&](const Opening& other) { return same(other.path, path); })) return;
+  std::error_code ignored;
   if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
-    jobs.push_back(std::make_unique<Job>(buildPlan(path)));
+    JobPlan plan = buildPlan(path);
+    if (std::ranges::any_of(jobs, [&](const auto& job) { return job->plan().opens == plan.opens; })) return;
+    jobs.push_back(std::make_unique<Job>(std::move(plan)));
     say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
     return;
   }
@@ -52,7 +62,11 @@ bool Viewer::takeDone() {
     const std::unique_ptr<Job> job = std::move(jobs[i]);
     jobs.erase(jobs.begin() + std::ptrdiff_t(i));
     const JobPlan& plan = job->plan();
-    if (state == Job::State::done && !plan.opens.empty()) open(plan.opens);
+    if (state == Job::State::done && !plan.opens.empty()) {
+      std::erase_if(places, [&](const auto& place) { return same(place->path, plan.opens); });
+      current = std::min(current, places.empty() ? 0 : places.size() - 1);
+      open(plan.opens);
+    }
     if (state == Job::State::done && !plan.done.empty()) show(plan.done);
     if (state == Job::State::cancelled) say(LogLevel::info, fmt::format("{}: stopped", plan.name));
     if (state == Job::State::failed) say(LogLevel::error, fmt::format("{}: {}", plan.name, job->progress()));
@@ -76,7 +90,9 @@ bool Viewer::takeOpened() {
         place()->repeatingRoute = true;
         place()->showRoute();
       }
-      if (place()->scene) keepCellsOf(*place()->scene, place()->settings);
+      if (place()->scene && keepCellsOf(*place()->scene, place()->settings))
+        say(LogLevel::warning, fmt::format("{}: it has {} cells; others cannot be muted or drawn alone", place()->name,
+                                           place()->scene->cells.size()));
       say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
     } catch (const std::exception& e) {
       say(LogLevel::error, e.what());
@@ -93,6 +109,7 @@ void Viewer::closeCurrent() {
 
 void Viewer::show(std::string text) {
   message = text;
+  warned = false;
   messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
   say(LogLevel::info, std::move(text));
 }
@@ -103,6 +120,7 @@ void Viewer::say(LogLevel level, std::string text) {
   failed |= level == LogLevel::error;
   if (level >= LogLevel::warning) {
     message = text;
+    warned = true;
     messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(8);
   }
   log.push_back({level, std::move(text)});

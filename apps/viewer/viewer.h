@@ -49,6 +49,7 @@ struct Viewer {
   std::size_t keyPanel = 0;     // where F6 has brought it last
   float interfaceScale = 1;     // of that of the monitor; ctrl +, ctrl -
   bool layOut = false;          // panels are to take the sizes that they begin with
+  glm::vec2 laidOutFor{0};      // size of the window that the side panel lies in
   bool wantsScreenshot = false, wantsCopy = false, wantsPaste = false, wantsRoute = false, wantsVideo = false;
   bool wantsClose = false;
   bool asksForFolder = false;  // ctrl O
@@ -56,6 +57,7 @@ struct Viewer {
   std::set<int>
       shortcutKeys;  // places of keys pressed with ctrl that are still down: they do not fly when ctrl is let go first
   std::string message;  // for a moment, over the picture
+  bool warned = false;  // it is to be seen even where the interface is hidden
   std::chrono::steady_clock::time_point messageUntil{};
 
   std::vector<std::pair<std::string, std::string>> shaderFaults;  // file and the compiler's text
@@ -70,12 +72,13 @@ struct Viewer {
 
   Place* place() { return current < places.size() ? places[current].get() : nullptr; }
 
-  /// Begins to read a place; a path that is open already is shown. A folder of photographs is made a scene first.
+  /// Begins to read a place; one that is open already is shown, and what is being read or made already is waited for. A
+  /// folder of photographs is made a scene first.
   void open(const std::filesystem::path& path);
   /// Takes what has been read, and opens what has been made. Says whether there was anything.
   bool takeOpened();
   void closeCurrent();
-  bool takeDone();                             // jobs
+  bool takeDone();                             // jobs; a place that was made anew is opened anew
   void show(std::string text);                 // into the log, and over the picture for a moment
   void say(LogLevel level, std::string text);  // into the log, and warnings over the picture
 };

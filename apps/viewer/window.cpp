@@ -26,7 +26,8 @@ Window& of(GLFWwindow* window) {
 }  // namespace
 
 Window::Window(const std::string& title, int width, int height) {
-  check(glfwInit() == GLFW_TRUE, ErrorCode::unsupported, "no window can be opened: {}", lastError());
+  const bool begun = glfwInit() == GLFW_TRUE;  // first: a call's arguments come in any order
+  check(begun, ErrorCode::unsupported, "no window can be opened: {}", lastError());
   try {
     check(glfwVulkanSupported() == GLFW_TRUE, ErrorCode::unsupported, "Vulkan cannot draw into windows here");
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);

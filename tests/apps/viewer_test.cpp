@@ -784,6 +784,53 @@ TEST_CASE("a camera path is shown from the start, again and again") {
   CHECK_THAT(bad.err, Contains("path.json"));
 }
 
+TEST_CASE("what is typed into a slider keeps within its bounds, and the place stays") {
+  if (!canView()) return;
+  const json report = whileViewing({test::tinyScene(), "--size", "500x400"}, [](const std::string& w) {
+    for (const char* page : {"1", "2"}) {
+      xdotool({"key", page});
+      sleepFor(0.4);
+      // Where sliders are, on one page or the other.
+      for (const int y : {154, 177, 223, 310, 333}) {
+        xdotool({"mousemove", "--window", w, "270", std::to_string(y)});
+        xdotool({"keydown", "ctrl", "click", "1", "keyup", "ctrl"});
+        sleepFor(0.3);
+        xdotool({"type", "--", "-3000"});
+        xdotool({"key", "Return"});
+        sleepFor(0.3);
+      }
+    }
+  });
+  REQUIRE(report["places"].size() == 1);
+  CHECK(report["warnings"].empty());
+  CHECK(report["places"][0]["fovY"] == Approx(glm::radians(10.0)));  // the least that there is
+  CHECK(report["places"][0]["settings"]["extrapolation"] >= 0);
+}
+
+TEST_CASE("who moves the view while a path is shown gets it") {
+  if (!canView()) return;
+  test::TemporaryFolder folder;
+  const json rotation{0.0, 0.0, 0.0, 1.0};
+  writeFile(folder / "path.json",
+            json{{"version", 1},
+                 {"size", {320, 240}},
+                 {"fps", 30},
+                 {"keys",
+                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
+                   {{"time", 20}, {"position", {9, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
+                .dump());
+  const json report =
+      whileViewing({test::tinyScene(), "--size", "320x240", "--path", folder / "path.json"}, [](const std::string&) {
+        xdotool({"key", "bracketright"});
+        sleepFor(2);
+      });
+  const glm::dvec3 at = positionOf(report["places"][0]);
+  double nearest = 1e9;
+  for (const test::NamedCamera& c : test::tinySet().cameras)
+    nearest = std::min(nearest, glm::distance(at, c.camera.pose.position));
+  CHECK(nearest < 1e-6);
+}
+
 TEST_CASE("presets are measured where the view stands") {
   if (!canView()) return;
   const json place =
@@ -979,10 +1026,15 @@ TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
   if (!canView()) return;
   test::TemporaryFolder folder;
   fs::copy(test::tinySet().photographs, folder / "photos", fs::copy_options::recursive);
-  const auto outcome =
-      view({folder / "photos", "--size", "320x240", "--frames", "2", "--screenshot", folder / "shot.png"});
+  const auto outcome = view({folder / "photos", folder / "photos/", "--size", "320x240", "--frames", "2",
+                             "--screenshot", folder / "shot.png"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
+  std::size_t begun = 0;
+  const json said = json::parse(outcome.out)["said"];
+  for (const json& line : said)
+    begun += line.get<std::string>().find("making a scene") != std::string::npos;
+  CHECK(begun == 1);  // though it was asked for twice
   CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
   const json report = json::parse(outcome.out);
   REQUIRE(report["places"].size() == 1);
