@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer's panels, by keys and the mouse.
+#include "viewer_harness.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Contains;
+using nlohmann::json;
+
+TEST_CASE("keys alone look around, go through the panel, and change a setting there") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
+  const auto looked =
+      whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) { hold("Right", 0.3); })["places"][0];
+  CHECK(looked["position"] == begin["position"]);
+  const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
+  CHECK(glm::dot(rotationOf(looked) * glm::dvec3(0, 0, -1), right) > 0.02);
+
+  // As slowly as a slow device draws: a key acts on what the frame before has shown.
+  const auto chosen = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
+    for (const char* key :
+         {"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"}) {  // the place, pages in two rows, presets
+      xdotool({"key", key});
+      sleepFor(0.4);
+    }
+    for (const char* key : {"w", "k", "bracketright", "l"})
+      hold(key, 0.2);  // are the panel's, which has no use for them
+  })["places"][0];
+  CHECK(chosen["settings"] != begin["settings"]);
+  CHECK(positionOf(chosen) == positionOf(begin));
+  CHECK(rotationOf(chosen) == rotationOf(begin));
+
+  const auto back = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
+    for (const char* key : {"F6", "Down", "F6"}) {
+      xdotool({"key", key});
+      sleepFor(0.4);
+    }
+    hold("w", 0.4);
+    hold("Right", 0.3);
+  })["places"][0];
+  CHECK(back["settings"] == begin["settings"]);
+  CHECK(positionOf(back) != positionOf(begin));
+  CHECK(rotationOf(back) != rotationOf(begin));
+}
+
+TEST_CASE("what is typed into a slider keeps within its bounds, and the place stays") {
+  if (!canView()) return;
+  const json report = whileViewing({tinyScene(), "--size", "500x400"}, [](const std::string& w) {
+    for (const char* page : {"1", "2"}) {
+      xdotool({"key", page});
+      sleepFor(0.4);
+      // Where sliders are, on one page or the other.
+      for (const int y : {154, 177, 223, 310, 333}) {
+        xdotool({"mousemove", "--window", w, "270", std::to_string(y)});
+        xdotool({"keydown", "ctrl", "click", "1", "keyup", "ctrl"});
+        sleepFor(0.3);
+        xdotool({"type", "--", "-3000"});
+        xdotool({"key", "Return"});
+        sleepFor(0.3);
+      }
+    }
+  });
+  REQUIRE(report["places"].size() == 1);
+  CHECK(report["warnings"].empty());
+  CHECK(report["places"][0]["fovY"] == Approx(glm::radians(10.0)));  // the least that there is
+  CHECK(report["places"][0]["settings"]["extrapolation"] >= 0);
+}
+
+TEST_CASE("presets are measured where the view stands") {
+  if (!canView()) return;
+  const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate"}, [](const std::string& w) {
+    xdotool({"key", "2"});
+    sleepFor(0.5);
+    // Where the buttons of the last preset and of what measures stand, more or less.
+    for (int y = 224; y > 195; y -= 6) xdotool({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
+    sleepFor(5);
+  })["places"][0];
+  const json& effects = place["effects"];
+  INFO(effects.dump());
+  for (const char* name : {"fast", "balanced", "accurate", "reference", "as set"}) {
+    REQUIRE(effects.contains(name));
+    CHECK(effects[name]["ms"] > 0);
+  }
+  CHECK(effects["reference"]["psnr"].is_null());
+  CHECK(effects["fast"]["psnr"] > 10);
+  CHECK(effects["fast"]["psnr"] < effects["accurate"]["psnr"]);
+}
+
+TEST_CASE("cells are muted and shown alone by keys in the list of them") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  const auto after = [&](const char* shot, std::vector<std::string> keys) {
+    keys.insert(keys.begin(), {"3", "F6", "Down", "Down", "Down", "Down", "space",
+                               "Down"});  // the place, pages in two rows, into the list, the cell
+    Image8 pixels;
+    const json report =
+        whileViewing({tinyScene(), "--size", "640x480", "--screenshot", folder / shot}, [&](const std::string& window) {
+          pressAll(keys);
+          pixels = settledPixels(window);
+        });
+    CHECK(sameBesidePanel(pixels, readImage(folder / shot)));
+    return report["places"][0]["settings"];
+  };
+  const json none = json::array();
+  const json muted = after("muted.png", {"space"}), solo = after("solo.png", {"Right", "space"});
+  REQUIRE(muted["mute"].size() == 1);
+  CHECK(muted["solo"] == none);
+  CHECK(solo["solo"] == muted["mute"]);  // in one row
+  CHECK(solo["mute"] == none);
+  CHECK((readImage(folder / "muted.png").values != readImage(folder / "solo.png").values));
+  const json back = after("back.png", {"space", "space"});  // the cell keeps the keys, wherever it stands
+  CHECK(back["mute"] == none);
+  const json all = after("all.png", {"Right", "space", "Escape", "Up", "space"});
+  CHECK(all["solo"] == none);
+}
+
+TEST_CASE("O goes through the overlays, and screenshots of them are drawn again as they are") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path(), "--mute", "99"},
+               [](const std::string&) {
+                 const auto shoot = [](std::vector<const char*> keys) {
+                   for (const char* key : keys) {
+                     xdotool({"key", key});
+                     sleepFor(0.4);
+                   }
+                   sleepFor(1);
+                 };
+                 shoot({"o", "o", "p"});
+                 shoot({"shift+o", "shift+o", "shift+o", "p"});
+                 shoot({"o", "p"});
+               });
+  const std::array<std::string, 3> overlays{"tiers", "agreement", "none"};
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    INFO(overlays[i]);
+    const fs::path shot = folder / ("view_000" + std::to_string(i + 1) + ".png");
+    REQUIRE(fs::exists(shot));
+    const auto told = runProgram({"info", shot, "--json", "-"});
+    const json settings = json::parse(told.out)["settings"];
+    CHECK(settings["overlay"] == (overlays[i] == "none" ? json() : json(overlays[i])));
+    CHECK(settings["mute"].empty());
+    const auto drawn = runProgram(
+        {"render", tinyScene(), "--poses", shot, "-o", folder / overlays[i], "--overlay", overlays[i], "--json", "-"});
+    INFO(drawn.err);
+    REQUIRE(drawn.code == 0);
+    const fs::path again = json::parse(drawn.out)["views"][0]["file"].get<std::string>();
+    CHECK((readImage(again).values == readImage(shot).values));
+  }
+  CHECK((readImage(folder / "view_0001.png").values != readImage(folder / "view_0003.png").values));
+  CHECK((readImage(folder / "view_0002.png").values != readImage(folder / "view_0003.png").values));
+}

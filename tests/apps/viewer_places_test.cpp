@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+// Places in the viewer: opening, closing, several of them, what is made beside it.
+#include "viewer_harness.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Contains;
+using nlohmann::json;
+
+TEST_CASE("several places are open, each with its own view") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  fs::copy(tinyScene(), folder / "other", fs::copy_options::recursive);
+  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const json report = whileViewing({tinyScene(), folder / "other", "--size", "320x240"}, [](const std::string&) {
+    sleepFor(1);
+    hold("w", 0.4);
+    xdotool({"key", "ctrl+Next"});
+    sleepFor(0.5);
+    hold("s", 0.4);
+    xdotool({"key", "ctrl+Prior"});
+    sleepFor(0.5);
+    hold("Right", 0.4);
+  });
+  REQUIRE(report["places"].size() == 2);
+  const json &first = report["places"][0], &second = report["places"][1];
+  CHECK_THAT(second["place"].get<std::string>(), Contains("other"));
+  CHECK(report["current"] == 1);
+  const auto forwards = [&](const json& place) {
+    return glm::dot(positionOf(place) - positionOf(begin), rotationOf(begin) * glm::dvec3(0, 0, -1));
+  };
+  CHECK(forwards(first) < -0.01);
+  CHECK(forwards(second) > 0.01);
+  CHECK(first["rotation"] == begin["rotation"]);
+  CHECK(second["rotation"] != begin["rotation"]);
+}
+
+TEST_CASE("a click on a tab shows its place") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  fs::copy(tinyScene(), folder / "other", fs::copy_options::recursive);
+  Image8 pixels, before;
+  const json report =
+      whileViewing({folder / "other", tinyScene(), "--size", "640x480", "--screenshot", folder / "shot.png"},
+                   [&](const std::string& window) {
+                     sleepFor(1);
+                     hold("w", 0.5);
+                     before = settledPixels(window);
+                     xdotool({"mousemove", "--window", window, "330", "45"});
+                     sleepFor(0.5);
+                     xdotool({"click", "1"});
+                     pixels = settledPixels(window);
+                   });
+  REQUIRE(report["places"].size() == 2);
+  CHECK(report["current"] == 0);
+  CHECK(sameBesidePanel(pixels, readImage(folder / "shot.png")));
+  CHECK(!sameBesidePanel(before, readImage(folder / "shot.png")));
+}
+
+TEST_CASE("places are closed, by key and by their tab's cross, and nothing of them stays") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  for (const char* name : {"a", "b"}) fs::copy(tinyScene(), folder / name, fs::copy_options::recursive);
+  const std::vector<std::string> all{folder / "a", folder / "b", tinyScene(), "--size", "500x400"};
+  const json byKey = whileViewing(all, [](const std::string&) {
+    sleepFor(1);
+    for (const char* key : {"ctrl+Next", "ctrl+w", "ctrl+w"}) {
+      xdotool({"key", key});
+      sleepFor(0.5);
+    }
+  });
+  REQUIRE(byKey["places"].size() == 1);
+  CHECK(byKey["onDevice"] == 1);
+  const json byCross = whileViewing(all, [](const std::string& w) {
+    sleepFor(1);
+    // Wherever the crosses are: a click closes a tab, chooses one, or does nothing.
+    for (int x = 250; x < 400; x += 3) xdotool({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
+    sleepFor(0.5);
+  });
+  CHECK(byCross["places"].size() < 3);
+  const json none = whileViewing(all, [](const std::string&) {
+    sleepFor(1);
+    for (int i = 0; i < 4; ++i, sleepFor(0.3)) xdotool({"key", "ctrl+w"});
+  });
+  CHECK(none["places"].empty());
+  CHECK(none["onDevice"] == 0);
+}
+
+TEST_CASE("what cannot be opened is said, and the window stays") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  writeFile(folder / "scene.gltf", "{");
+  const auto outcome = view({folder / "none", folder.path(), tinyScene(), "--frames", "2", "--size", "320x240"});
+  CHECK(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  CHECK(report["places"].size() == 1);
+  CHECK(report["warnings"].size() == 2);
+  CHECK_THAT(outcome.err, Contains("none") && Contains("missing"));
+  CHECK(view({folder / "none", "--frames", "2"}).code == 4);
+}
+
+TEST_CASE("a folder that is dropped on the window is opened") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  fs::copy(tinyScene(), folder / "a scene", fs::copy_options::recursive);
+  const json report = whileViewing({"--size", "320x240"}, [&](const std::string& window) {
+    dropOnto(window, {folder / "a scene", tinyScene()});
+    sleepFor(1.5);
+  });
+  REQUIRE(report["places"].size() == 2);
+  CHECK(report["places"][0]["place"] == (folder / "a scene").string());
+}
+
+TEST_CASE("a folder is typed, completed and opened by keys alone") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  for (const char* name : {"the scene", "other"}) fs::copy(tinyScene(), folder / name, fs::copy_options::recursive);
+  Image8 pixels;
+  const json report = whileViewing({"--size", "640x480", "--no-interface", "--screenshot", folder / "shot.png"},
+                                   [&](const std::string& window) {
+                                     const auto type = [](std::vector<std::string> keys) {
+                                       for (const std::string& key : keys) {
+                                         xdotool({"key", key});
+                                         sleepFor(0.4);
+                                       }
+                                     };
+                                     const auto write = [](const std::string& text) {
+                                       xdotool({"type", "--delay", "40", text});
+                                       sleepFor(0.4);
+                                     };
+                                     type({"ctrl+o"});
+                                     write((folder / "the").string());
+                                     type({"Tab", "Return"});
+                                     waitForPlace(window);
+                                     type({"ctrl+o", "ctrl+a"});
+                                     write((folder / "none").string());
+                                     type({"Return"});
+                                     type({"ctrl+o", "ctrl+a"});
+                                     write((folder / "other").string());
+                                     type({"Escape", "bracketright"});  // not opened; keys are the view's again
+                                     sleepFor(1.2);
+                                     hold("Right", 0.3);
+                                     sleepFor(8);  // what was said about the wrong folder goes away
+                                     pixels = settledPixels(window);
+                                   });
+  REQUIRE(report["places"].size() == 1);
+  CHECK(report["places"][0]["place"] == (folder / "the scene/").string());
+  REQUIRE(report["warnings"].size() == 1);
+  CHECK_THAT(report["warnings"][0].get<std::string>(), Contains("none") && Contains("missing"));
+  const auto begin = json::parse(view({tinyScene(), "--size", "640x480", "--frames", "2"}).out)["places"][0];
+  CHECK(positionOf(report["places"][0]) != positionOf(begin));
+  CHECK(rotationOf(report["places"][0]) != rotationOf(begin));
+  CHECK(report["places"][0]["settings"] == begin["settings"]);  // what was typed did nothing else
+  CHECK((pixels.values == readImage(folder / "shot.png").values));
+}
+
+TEST_CASE("a folder of photographs becomes a scene beside the viewer") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  fs::copy(tinySet().photographs, folder / "photos", fs::copy_options::recursive);
+  const auto outcome = view({folder / "photos", folder / "photos/", "--size", "320x240", "--frames", "2",
+                             "--screenshot", folder / "shot.png"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  std::size_t begun = 0;
+  const json said = json::parse(outcome.out)["said"];
+  for (const json& line : said) begun += line.get<std::string>().find("making a scene") != std::string::npos;
+  CHECK(begun == 1);  // though it was asked for twice
+  CHECK(fs::exists(folder / "photos-scene/scene.gltf"));
+  const json report = json::parse(outcome.out);
+  REQUIRE(report["places"].size() == 1);
+  CHECK_THAT(report["places"][0]["place"].get<std::string>(), Contains("photos-scene"));
+
+  fs::create_directories(folder / "broken/sparse");
+  writeFile(folder / "broken/a.jpg", "no picture");
+  writeFile(folder / "broken/b.jpg", "no picture");
+  writeFile(folder / "broken/sparse/images.txt", "no model");
+  const auto broken = view({folder / "broken", tinyScene(), "--size", "320x240", "--frames", "2"});
+  CHECK(broken.code == 0);
+  CHECK_THAT(json::parse(broken.out)["warnings"].dump(), Contains("broken-scene"));
+  CHECK(json::parse(broken.out)["places"].size() == 1);
+}
+
+TEST_CASE("building is stopped when the viewer is closed") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  fs::copy(tinySet().photographs, folder / "photos", fs::copy_options::recursive);
+  // So large that making a scene of them takes long.
+  for (const char* name : {"a/0.png", "a/1.png", "b/2.png"}) {
+    const Image8 small = readImage(folder / "photos" / name);
+    constexpr int kLarger = 10;
+    Image8 large(kLarger * small.width, kLarger * small.height, 3);
+    for (int y = 0; y < large.height; ++y)
+      for (int x = 0; x < large.width; ++x)
+        std::ranges::copy(small.pixel(x / kLarger, y / kLarger).first(3), large.pixel(x, y).begin());
+    writeImage(folder / "photos" / name, large);
+  }
+  whileViewing({folder / "photos", "--size", "320x240"}, [](const std::string&) {});  // closed at once
+  CHECK(!fs::exists(folder / "photos-scene/scene.gltf"));
+  CHECK(std::system(("pgrep -f '" + (folder / "photos").string() + "[-]scene' >/dev/null").c_str()) != 0);
+}
+
+TEST_CASE("what is being made is stopped by keys alone") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  const json report =
+      whileViewing({tinyScene(), "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string&) {
+        xdotool({"key", "k"});
+        hold("w", 6);  // a path that takes long to draw
+        xdotool({"key", "k"});
+        sleepFor(0.5);
+        for (const char* key : {"ctrl+m", "F6", "F6", "Down", "space"}) {
+          xdotool({"key", key});
+          sleepFor(0.4);
+        }
+        sleepFor(1);
+      });
+  CHECK(fs::exists(folder / "out/path_0001.json"));
+  CHECK(!fs::exists(folder / "out/path_0001.mp4"));
+  CHECK_THAT(report["said"].dump(), Contains("stopped"));
+  CHECK(report["warnings"].empty());
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Walking in the viewer: keys and the mouse, bounds, points to go round, trust, camera paths.
+#include "viewer_harness.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Contains;
+using nlohmann::json;
+
+TEST_CASE("keys and the mouse move the view") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  const glm::dvec3 from = positionOf(begin), forward = rotationOf(begin) * glm::dvec3(0, 0, -1);
+  const auto forwards =
+      whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) { hold("w", 0.6); })["places"][0];
+  const glm::dvec3 way = positionOf(forwards) - from;
+  CHECK(glm::dot(way, forward) > 0.01);
+  CHECK(glm::length(way - forward * glm::dot(way, forward)) < 1e-9);
+  CHECK(rotationOf(forwards) == rotationOf(begin));
+
+  const auto turned = whileViewing({tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
+    xdotool({"mousemove", "--window", w, "100", "100"});
+    xdotool({"mousedown", "3"});
+    sleepFor(0.2);
+    for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "10", "0"});
+    xdotool({"mouseup", "3"});
+    sleepFor(0.3);
+  })["places"][0];
+  CHECK(positionOf(turned) == from);
+  const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
+  CHECK(glm::dot(rotationOf(turned) * glm::dvec3(0, 0, -1), right) > 0.02);  // the view follows the mouse
+
+  const auto next = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
+    xdotool({"key", "bracketright"});
+    sleepFor(1.5);
+  })["places"][0];
+  CHECK(glm::distance(positionOf(next), from) > 0.01);
+}
+
+TEST_CASE("a bounded view stays near the photographs") {
+  if (!canView()) return;
+  const auto away = [](bool bounded) {
+    const auto report = whileViewing({tinyScene(), "--size", "320x240"}, [&](const std::string&) {
+      if (bounded) xdotool({"key", "b"});
+      sleepFor(0.2);
+      hold("Shift_L+w", 2.5);
+      sleepFor(0.5);
+    });
+    return glm::length(positionOf(report["places"][0]));
+  };
+  CHECK(away(true) < 0.6 * away(false));
+}
+
+TEST_CASE("the middle button goes round the point that it is pressed on") {
+  if (!canView()) return;
+  const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
+  CHECK(begin["centre"].is_null());
+  const json place = whileViewing({tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
+    xdotool({"mousemove", "--window", w, "203", "113"});
+    sleepFor(0.2);
+    xdotool({"mousedown", "2"});
+    sleepFor(0.5);
+    for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "4", "0"});
+    xdotool({"mouseup", "2"});
+    sleepFor(0.3);
+  })["places"][0];
+  REQUIRE(!place["centre"].is_null());
+  const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
+  const glm::dvec3 from = positionOf(begin), to = positionOf(place);
+  // The board is 3.5 ahead, the wall around it 5.
+  const glm::dvec3 seen = glm::conjugate(rotationOf(begin)) * (centre - from);
+  const double focal = 120 / std::tan(0.5 * begin["fovY"].get<double>());
+  CHECK(seen.z == Approx(-3.5).epsilon(0.05));
+  CHECK(seen.x / -seen.z == Approx((203.5 - 160) / focal).margin(1 / focal));
+  CHECK(glm::distance(centre, to) == Approx(glm::distance(centre, from)));
+  CHECK(glm::distance(from, to) > 0.2);
+}
+
+TEST_CASE("a view that stands says how far it may be trusted") {
+  if (!canView()) return;
+  const auto after = [](const char* key, double seconds) {
+    return whileViewing({tinyScene(), "--size", "320x240"}, [&](const std::string&) {
+      if (seconds > 0) hold(key, seconds);
+      sleepFor(2);
+    })["places"][0];
+  };
+  const json at = after("", 0)["trust"], behind = after("s", 0.4), away = after("s", 2.5)["trust"];
+  for (const json& trust : {at, behind["trust"], away}) REQUIRE(trust.is_object());
+  double sum = 0;
+  for (const json& share : at["tiers"]) sum += share.get<double>();
+  CHECK(sum == Approx(1));
+  CHECK(at["tiers"][0] > 0.4);
+  CHECK(at["extrapolation"] < 1e-6);
+  // The photographs stand in the plane z = 0, the furthest two half a unit apart.
+  CHECK(behind["trust"]["extrapolation"] == Approx(positionOf(behind).z / 0.5).epsilon(1e-6));
+  CHECK(away["extrapolation"].is_null());  // infinite: no cell is near
+  CHECK(away["tiers"][0] < at["tiers"][0]);
+}
+
+TEST_CASE("a camera path is shown from the start, again and again") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  const json rotation{0.0, 0.0, 0.0, 1.0};
+  writeFile(folder / "path.json",
+            json{{"version", 1},
+                 {"size", {320, 240}},
+                 {"fps", 30},
+                 {"keys",
+                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
+                   {{"time", 0.2}, {"position", {7.1, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
+                .dump());
+  const auto outcome = view({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--frames", "60"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  const glm::dvec3 at = positionOf(report["places"][0]);
+  CHECK(at.x >= 7);
+  CHECK(at.x <= 7.1);
+  CHECK(report["places"][0]["fovY"] == Approx(0.8));
+  CHECK(report["times"]["framesMs"]["count"] > 50);
+  CHECK(report["times"]["framesMs"]["p50"] > 0);
+  CHECK(report["times"]["framesMs"]["p95"] >= report["times"]["framesMs"]["p50"]);
+  CHECK(report["times"]["firstPicture"] > 0);
+  CHECK(report["residentBytes"] > 20'000'000);  // a device's driver alone is larger
+  // Long after its end it goes on.
+  whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--screenshots", folder.path()},
+               [](const std::string&) {
+                 for (int i = 0; i < 2; ++i) {
+                   sleepFor(1.5);
+                   xdotool({"key", "p"});
+                 }
+                 sleepFor(1);
+               });
+  const auto told = [&](const char* shot) { return runProgram({"info", folder / shot, "--json", "-"}).out; };
+  REQUIRE(fs::exists(folder / "view_0002.png"));
+  CHECK(json::parse(told("view_0001.png"))["view"]["position"] !=
+        json::parse(told("view_0002.png"))["view"]["position"]);
+  writeFile(folder / "path.json", "{}");
+  const auto bad = view({tinyScene(), "--path", folder / "path.json", "--frames", "2"});
+  CHECK(bad.code != 0);
+  CHECK_THAT(bad.err, Contains("path.json"));
+}
+
+TEST_CASE("who moves the view while a path is shown gets it") {
+  if (!canView()) return;
+  TemporaryFolder folder;
+  const json rotation{0.0, 0.0, 0.0, 1.0};
+  writeFile(folder / "path.json",
+            json{{"version", 1},
+                 {"size", {320, 240}},
+                 {"fps", 30},
+                 {"keys",
+                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
+                   {{"time", 20}, {"position", {9, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
+                .dump());
+  const json report =
+      whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json"}, [](const std::string&) {
+        xdotool({"key", "bracketright"});
+        sleepFor(2);
+      });
+  const glm::dvec3 at = positionOf(report["places"][0]);
+  double nearest = 1e9;
+  for (const NamedCamera& c : tinySet().cameras) nearest = std::min(nearest, glm::distance(at, c.camera.pose.position));
+  CHECK(nearest < 1e-6);
+}
