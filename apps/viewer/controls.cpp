@@ -99,9 +99,10 @@ bool followRoute(Place& place, double seconds) {
   place.walk.pose = place.routePose = shown.pose;
   place.walk.fovY = place.routeFovY = 2 * std::atan(0.5 * shown.intrinsics.height / shown.intrinsics.fy);
   place.walk.velocity = glm::dvec3(0);
-  place.routeTime += seconds;
-  if (place.repeatingRoute && whole > 0) place.routeTime = std::fmod(place.routeTime, whole);
-  return place.showingRoute = place.routeTime < whole;
+  place.showingRoute = place.routeTime < whole;  // the last key itself is shown last
+  const double next = place.routeTime + seconds;
+  place.routeTime = place.repeatingRoute && whole > 0 ? std::fmod(next, whole) : std::min(next, whole);
+  return place.showingRoute;
 }
 
 void goTo(Place& place, std::optional<std::size_t> viewpoint) {

@@ -142,6 +142,23 @@ TEST_CASE("a camera path is shown from the start, again and again") {
   CHECK_THAT(bad.err, Contains("path.json"));
 }
 
+TEST_CASE("a path that has been shown ends on its last key") {
+  if (!canView()) return;
+  const json report = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
+    pressAll({"k", "bracketright"});
+    sleepFor(1.5);
+    pressAll({"k", "bracketleft"});
+    sleepFor(1.5);
+    pressAll({"j"});
+    sleepFor(3);
+  });
+  const json moved = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
+    pressAll({"bracketright"});
+    sleepFor(1.5);
+  });
+  CHECK(glm::distance(positionOf(report["places"][0]), positionOf(moved["places"][0])) < 1e-9);
+}
+
 TEST_CASE("who moves the view while a path is shown gets it") {
   if (!canView()) return;
   TemporaryFolder folder;
