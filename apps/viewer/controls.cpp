@@ -101,7 +101,7 @@ bool followRoute(Place& place, double seconds) {
   place.walk.velocity = glm::dvec3(0);
   place.showingRoute = place.routeTime < whole;  // the last key itself is shown last
   const double next = place.routeTime + seconds;
-  place.routeTime = place.repeatingRoute && whole > 0 ? std::fmod(next, whole) : std::min(next, whole);
+  place.routeTime = place.repeatingRoute && whole > 0 ? std::fmod(next, whole) : next;
   return place.showingRoute;
 }
 
