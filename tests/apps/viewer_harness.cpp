@@ -30,10 +30,12 @@ void waitForPlace(const std::string& window) {
 
 Image8 settledPixels(const std::string& window) {
   Image8 pixels, before;
+  int same = 0;  // times in a row: a busy machine takes its time for a frame
   comes([&] {
     sleepFor(0.4);
     before = std::exchange(pixels, pixelsOf(window));
-    return pixels.width > 0 && pixels.values == before.values;
+    same = pixels.width > 0 && pixels.values == before.values ? same + 1 : 0;
+    return same == 2;
   });
   return pixels;
 }

@@ -48,10 +48,10 @@ class Copy {
   const fs::path path = folder_ / "my shaders";
 };
 
-/// The next result that says anything.
+/// The next result that says anything; at the beginning all shaders are compiled, which takes a busy machine a while.
 ShaderReloader::Result next(ShaderReloader& reloader) {
   using namespace std::chrono_literals;
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < 6000; ++i) {
     ShaderReloader::Result result = reloader.poll();
     if (!result.replaced.empty() || !result.failed.empty()) return result;
     std::this_thread::sleep_for(10ms);
