@@ -35,6 +35,11 @@ struct Camera {
 /// 0 < fovYRadians < π.
 Intrinsics pinholeFromFov(int width, int height, double fovYRadians);
 
+/// A pinhole from the tangents of its four edges, as headsets have them (OpenXR's XrFovf holds the angles): x right and
+/// y up on the plane z = −1, so that left and down are negative where the axis lies inside of the picture. Throws
+/// Error{invalidInput} unless width, height >= 1, left < right, down < up, and no edge is 89.95° or more off the axis.
+Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down);
+
 /// Unit direction, in camera axes, in which `pixel` looks. Any finite pixel is allowed, also outside the picture.
 /// Throws Error{invalidInput} where pixel or intrinsics are not finite.
 glm::dvec3 unproject(const Intrinsics& intrinsics, glm::dvec2 pixel);

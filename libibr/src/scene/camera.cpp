@@ -47,6 +47,17 @@ Intrinsics pinholeFromFov(int width, int height, double fovYRadians) {
   return {CameraModel::pinhole, width, height, focal, focal, 0.5 * width, 0.5 * height};
 }
 
+Intrinsics pinholeFromTangents(int width, int height, double left, double right, double up, double down) {
+  const double steepest = std::tan(89.95 / 180.0 * kPi);
+  const bool inFront = std::abs(left) < steepest && std::abs(right) < steepest && std::abs(up) < steepest &&
+                       std::abs(down) < steepest;  // not so for NaN
+  const double fx = width / (right - left), fy = height / (up - down);
+  check(width >= 1 && height >= 1 && inFront && left < right && down < up && std::isfinite(fx) && std::isfinite(fy),
+        ErrorCode::invalidInput, "no pinhole has {}x{} px and edges at the tangents left {}, right {}, up {}, down {}",
+        width, height, left, right, up, down);
+  return {CameraModel::pinhole, width, height, fx, fy, -left * fx, up * fy};
+}
+
 glm::dvec3 unproject(const Intrinsics& k, glm::dvec2 pixel) {
   const bool usable =
       k.model == CameraModel::equirectangular ? k.width > 0 && k.height > 0 : k.fx != 0.0 && k.fy != 0.0;
