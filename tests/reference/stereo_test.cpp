@@ -2,8 +2,13 @@
 // Two eyes in one plan ([T] §2.5.4).
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstring>
 
+#include "gpu/barrier.h"
+#include "gpu/gpu_image.h"
 #include "gpu/multiview.h"
+#include "gpu/readback.h"
+#include "gpu/submit.h"
 #include "ibr/metrics.h"
 #include "reference/compare.h"
 #include "reference/stage.h"
@@ -84,6 +89,61 @@ TEST_CASE("what is far away is dithered alike in both eyes") {
     INFO("skew " << row.skew << ", canting " << row.canting);
     CHECK(grain > 300);
     CHECK(double(differs) < 0.15 * double(grain));
+  }
+}
+
+TEST_CASE("targets may be layers of one image, as a headset's are: each is left alone by the other") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  const FramePlan plan = planFrame(stage.scene(), sceneBounds(stage.scene()), {eyes(0.064, 12), withTiers()});
+  const VkExtent2D extent{320, 240};
+  const Renderer renderer(testDevice(), stage.gpuScene(), {.largest = extent, .views = 2, .depth = true});
+  const auto layered = [&](VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect) {
+    return GpuImage(testDevice(),
+                    {.format = format,
+                     .extent = extent,
+                     .layers = 2,
+                     .usage = usage,
+                     .aspect = aspect,
+                     .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY},
+                    "eyes");
+  };
+  const GpuImage colour =
+      layered(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+              VK_IMAGE_ASPECT_COLOR_BIT);
+  const GpuImage depth =
+      layered(VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+  std::array<ImageViewHandle, 2> colourViews, depthViews;
+  std::array<Target, 2> targets;
+  for (std::uint32_t eye = 0; eye < 2; ++eye) {
+    colourViews[eye] = makeLayerView(testDevice(), colour, eye);
+    depthViews[eye] = makeLayerView(testDevice(), depth, eye);
+    targets[eye] = {.image = colour.get(),
+                    .view = colourViews[eye].get(),
+                    .format = VK_FORMAT_R8G8B8A8_UNORM,
+                    .extent = extent,
+                    // What the validation layer would see if the right eye's barriers were those of the left eye too.
+                    .before = eye == 0 ? use::kUndefined : use::kColourAttachment,
+                    .after = use::kTransferSource,
+                    .depth = DepthTarget{.image = depth.get(),
+                                         .view = depthViews[eye].get(),
+                                         .before = eye == 0 ? use::kUndefined : use::kDepthAttachment,
+                                         .after = use::kDepthAttachment,
+                                         .layer = eye},
+                    .layer = eye};
+  }
+  submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+    const auto first = [&](const GpuImage& image, ImageUse to, VkImageAspectFlags aspect) {
+      transition(commands, image.get(), use::kUndefined, to, VkImageSubresourceRange{aspect, 0, 1, 1, 1});
+    };
+    first(colour, use::kColourAttachment, VK_IMAGE_ASPECT_COLOR_BIT);
+    first(depth, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+    renderer.record(commands, plan, targets);
+  });
+  const std::vector<Image8> alone = stage.renderViews(plan);
+  for (std::uint32_t eye = 0; eye < 2; ++eye) {
+    const std::vector<std::byte> bytes =
+        readImage(testDevice(), colour.get(), extent, 4, use::kTransferSource, VK_IMAGE_ASPECT_COLOR_BIT, eye);
+    CHECK((std::memcmp(bytes.data(), alone[eye].values.data(), bytes.size()) == 0));
   }
 }
 

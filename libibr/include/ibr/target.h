@@ -4,6 +4,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 
@@ -47,7 +48,8 @@ struct DepthTarget {
   ImageUse after = use::kDepthAttachment;
   double nearPlane = 0.1;  // of the caller's projection, distances along the viewing axis, world units, 0 < near < far
   double farPlane = std::numeric_limits<double>::infinity();
-  bool reversed = false;  // near → 1, far → 0
+  bool reversed = false;    // near → 1, far → 0
+  std::uint32_t layer = 0;  // of the image, that the view shows: no other is touched
 };
 
 /// Where a renderer puts its picture. The image must outlive the commands recorded with it; nothing is kept after
@@ -60,6 +62,7 @@ struct Target {
   ImageUse before = use::kUndefined;  // how the caller used it last; its contents are replaced
   ImageUse after = use::kColourAttachment;
   std::optional<DepthTarget> depth;  // of the same extent
+  std::uint32_t layer = 0;           // of the image, that the view shows: no other is touched
 };
 
 /// An image for floats. It must outlive the commands recorded with it.
@@ -68,6 +71,7 @@ struct BufferTarget {
   VkImageView view = VK_NULL_HANDLE;  // 2D, one level, one layer, colour attachment usage
   ImageUse before = use::kUndefined;  // its contents are replaced
   ImageUse after = use::kColourAttachment;
+  std::uint32_t layer = 0;  // of the image, that the view shows: no other is touched
 };
 
 inline constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32B32A32_SFLOAT;

@@ -42,6 +42,13 @@ void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse
 void transition(VkCommandBuffer commands, VkImage image, ImageUse from, ImageUse to,
                 const VkImageSubresourceRange& range) noexcept;
 
+/// The same for a caller's Target, DepthTarget or BufferTarget: its one level and layer.
+template <class AnyTarget>
+void transitionTarget(VkCommandBuffer commands, const AnyTarget& target, ImageUse from, ImageUse to,
+                      VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT) noexcept {
+  transition(commands, target.image, from, to, VkImageSubresourceRange{aspect, 0, 1, target.layer, 1});
+}
+
 /// Orders all buffers' uses: a global memory barrier, which drivers treat no worse than one that names a buffer.
 void bufferBarrier(VkCommandBuffer commands, BufferUse from, BufferUse to) noexcept;
 

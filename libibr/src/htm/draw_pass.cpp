@@ -73,7 +73,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
   const auto found = std::ranges::find(formats_, target.format, &Format::format);
   assert(found != formats_.end() && !target.depth);
   transition(commands, depth_.get(), kDepthBefore, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
-  transition(commands, target.image, target.before, use::kColourAttachment);
+  transitionTarget(commands, target, target.before, use::kColourAttachment);
 
   const bool draws = set.model().triangleCount > 0 && !plan.cameras.empty();
   const std::uint32_t corners = 3 * set.model().triangleCount;
@@ -106,7 +106,7 @@ void HtmDrawPass::record(VkCommandBuffer commands, const HtmFrameSet& set, const
     vkCmdDraw(commands, corners, 1, 0, 0);
   }
   vkCmdEndRendering(commands);
-  transition(commands, target.image, use::kColourAttachment, target.after);
+  transitionTarget(commands, target, use::kColourAttachment, target.after);
 }
 
 }  // namespace ibr

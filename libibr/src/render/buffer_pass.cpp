@@ -60,7 +60,7 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
   std::array<VkRenderingAttachmentInfo, 3> colours{};
   for (std::size_t i = 0; i < colours.size(); ++i) {
     const BufferTarget& target = *all(targets)[i];
-    transition(commands, target.image, target.before, use::kColourAttachment);
+    transitionTarget(commands, target, target.before, use::kColourAttachment);
     colours[i] = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, empty[i]);
   }
   // Left as the canvas leaves it: the frame's passes have read it, the next frame clears it.
@@ -85,7 +85,7 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
   vkCmdEndRendering(commands);
   transition(commands, canvas_->depth(), use::kDepthAttachment, use::kSampled, VK_IMAGE_ASPECT_DEPTH_BIT);
   for (const BufferTarget* target : all(targets))
-    transition(commands, target->image, use::kColourAttachment, target->after);
+    transitionTarget(commands, *target, use::kColourAttachment, target->after);
 }
 
 }  // namespace ibr

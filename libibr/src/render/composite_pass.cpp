@@ -102,7 +102,7 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
   const bool scaled = drawn.width != target.extent.width || drawn.height != target.extent.height;
   const Key key{target.format, formerWeight > 0, filled, scaled, settings.floor.has_value()};
   assert(pipelines_.contains(key));
-  transition(commandBuffer, target.image, target.before, use::kColourAttachment);
+  transitionTarget(commandBuffer, target, target.before, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE);
   beginRendering(commandBuffer, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.at(key).get());
@@ -119,7 +119,7 @@ void CompositePass::record(VkCommandBuffer commandBuffer, std::size_t source, co
   vkCmdPushConstants(commandBuffer, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commandBuffer, 3, 1, 0, 0);
   vkCmdEndRendering(commandBuffer);
-  transition(commandBuffer, target.image, use::kColourAttachment, target.after);
+  transitionTarget(commandBuffer, target, use::kColourAttachment, target.after);
 }
 
 }  // namespace ibr

@@ -60,7 +60,7 @@ DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* e
 void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance,
                        VkExtent2D drawn, VkExtent2D extent, const DepthTarget& target) const noexcept {
   assert(supports(target.format));
-  transition(commands, target.image, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  transitionTarget(commands, target, target.before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
   const VkRenderingAttachmentInfo attachment =
       depthAttachment(target.view, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_STORE);
   beginRendering(commands, extent, {}, &attachment);
@@ -84,7 +84,7 @@ void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
   vkCmdDraw(commands, 3, 1, 0, 0);
   vkCmdEndRendering(commands);
-  transition(commands, target.image, use::kDepthAttachment, target.after, VK_IMAGE_ASPECT_DEPTH_BIT);
+  transitionTarget(commands, target, use::kDepthAttachment, target.after, VK_IMAGE_ASPECT_DEPTH_BIT);
 }
 
 }  // namespace ibr

@@ -206,7 +206,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
   assert(s.pipelines.contains(target.format));
   assert(view.intrinsics.model == CameraModel::pinhole && view.intrinsics.width == int(target.extent.width) &&
          view.intrinsics.height == int(target.extent.height));
-  transition(commandBuffer, target.image, target.before, use::kColourAttachment);
+  transitionTarget(commandBuffer, target, target.before, use::kColourAttachment);
   const VkRenderingAttachmentInfo attachment = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);
   beginRendering(commandBuffer, target.extent, {&attachment, 1});
   vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, s.pipelines.at(target.format).get());
@@ -240,7 +240,7 @@ void GraphOverlay::record(VkCommandBuffer commandBuffer, const Camera& view, std
     });
   }
   vkCmdEndRendering(commandBuffer);
-  transition(commandBuffer, target.image, use::kColourAttachment, target.after);
+  transitionTarget(commandBuffer, target, use::kColourAttachment, target.after);
 }
 
 }  // namespace ibr
