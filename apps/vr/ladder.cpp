@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "vr/governor.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::array<std::uint32_t, 6> kCounts{32, 16, 12, 8, 6, 4};
+constexpr std::uint32_t kFewest = 2;
+
+void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) {
+  if (!(level == levels.back())) levels.push_back(level);
+}
+
+RenderSettings fewer(RenderSettings settings, std::uint32_t count) {
+  settings.maxCells = std::min(settings.maxCells, count);
+  settings.maxBackdrops = std::min(settings.maxBackdrops, count);
+  return settings;
+}
+
+const char* nameOf(BlendMode mode) {
+  return mode == BlendMode::blend ? "blend" : mode == BlendMode::dither ? "dither" : "mixed";
+}
+
+const char* nameOf(ColourMapping mapping) {
+  switch (mapping) {
+    case ColourMapping::off:
+      return "off";
+    case ColourMapping::ours:
+      return "ours";
+    case ColourMapping::paper:
+      return "paper";
+    case ColourMapping::paperRedraw:
+      return "paperRedraw";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<RenderSettings> ladder(const RenderSettings& asked) {
+  std::vector<RenderSettings> levels{asked};
+  const auto scaledBy = [&](double share) {
+    RenderSettings level = levels.back();
+    level.renderScale = share * asked.renderScale;
+    addLevel(levels, level);
+  };
+  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count));
+  scaledBy(0.85);
+  scaledBy(0.7);
+  RenderSettings dithered = levels.back();
+  dithered.blend = BlendMode::dither;
+  addLevel(levels, dithered);
+  addLevel(levels, fewer(levels.back(), kFewest));
+  scaledBy(0.5);
+  RenderSettings unmapped = levels.back();
+  unmapped.colourMapping = ColourMapping::off;
+  addLevel(levels, unmapped);
+  return levels;
+}
+
+std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
+  std::string text;
+  const auto add = [&](bool differs, const char* what, const auto& before, const auto& after) {
+    if (differs) text += fmt::format("{}{} {} → {}", text.empty() ? "" : ", ", what, before, after);
+  };
+  add(from.maxCells != to.maxCells, "cells", from.maxCells, to.maxCells);
+  add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
+  add(from.renderScale != to.renderScale, "resolution", from.renderScale, to.renderScale);
+  add(from.blend != to.blend, "blending", nameOf(from.blend), nameOf(to.blend));
+  add(from.colourMapping != to.colourMapping, "colour mapping", nameOf(from.colourMapping), nameOf(to.colourMapping));
+  return text;
+}
+
+}  // namespace ibr::app
