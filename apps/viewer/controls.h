@@ -5,7 +5,7 @@
 #include <span>
 
 #include "viewer/viewer.h"
-#include "viewer/window.h"
+#include "window/window.h"
 
 namespace ibr::app {
 

@@ -9,7 +9,7 @@
 
 #include "base/child_process.h"
 #include "ibr/error.h"
-#include "viewer/window.h"
+#include "window/window.h"
 
 namespace fs = std::filesystem;
 

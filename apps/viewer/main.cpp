@@ -15,10 +15,10 @@
 #include "ibr/error.h"
 #include "shared/context.h"
 #include "shared/exit_code.h"
+#include "shared/folders.h"
 #include "shared/options.h"
 #include "shared/settings.h"
 #include "shared/statistics.h"
-#include "viewer/folders.h"
 #include "viewer/screenshot.h"
 #include "viewer/session.h"
 

@@ -12,7 +12,7 @@
 #include "viewer/memory_budget.h"
 #include "viewer/place_on_device.h"
 #include "viewer/viewer.h"
-#include "viewer/window.h"
+#include "window/window.h"
 
 namespace ibr::app {
 

@@ -48,7 +48,7 @@ Session::Session(Window& window, Interface& interface, Viewer& viewer, const Ses
       viewer_(viewer),
       options_(options),
       device_(makeDevice(options, viewer)),
-      swapchain_(device_, window, options.onlySrgb),
+      swapchain_(device_, window, {.onlySrgb = options.onlySrgb}),
       last_(std::chrono::steady_clock::now()) {
   if (!options.shaders.empty()) shaders_.emplace(device_, ShaderReloadOptions{.folder = options.shaders});
   for (auto& timer : timers_) timer = std::make_unique<ScopeTimer>(device_, kScopes);

@@ -10,11 +10,11 @@
 
 #include "ibr/offscreen.h"
 #include "ibr/shader_reload.h"
-#include "viewer/interface.h"
 #include "viewer/panels.h"
 #include "viewer/place_on_device.h"
-#include "viewer/swapchain.h"
 #include "viewer/viewer.h"
+#include "window/interface.h"
+#include "window/swapchain.h"
 
 namespace ibr::app {
 

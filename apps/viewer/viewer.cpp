@@ -9,7 +9,7 @@
 #include "ibr/asset.h"
 #include "ibr/error.h"
 #include "viewer/job_plans.h"
-#include "viewer/window.h"
+#include "window/window.h"
 
 namespace fs = std::filesystem;
 

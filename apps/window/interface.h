@@ -7,8 +7,8 @@
 #include <string>
 
 #include "gpu/handle.h"
-#include "viewer/swapchain.h"
-#include "viewer/window.h"
+#include "window/swapchain.h"
+#include "window/window.h"
 
 namespace ibr::app {
 

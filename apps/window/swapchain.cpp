@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/swapchain.h"
+#include "window/swapchain.h"
 
 #include <algorithm>
 #include <limits>
@@ -38,6 +38,16 @@ std::vector<VkSurfaceFormatKHR> surfaceFormats(VkPhysicalDevice device, VkSurfac
   return formats;
 }
 
+std::vector<VkPresentModeKHR> presentModes(VkPhysicalDevice device, VkSurfaceKHR surface) {
+  std::uint32_t count = 0;
+  vk(vkGetPhysicalDeviceSurfacePresentModesKHR(device, surface, &count, nullptr),
+     "vkGetPhysicalDeviceSurfacePresentModesKHR");
+  std::vector<VkPresentModeKHR> modes(count);
+  vk(vkGetPhysicalDeviceSurfacePresentModesKHR(device, surface, &count, modes.data()),
+     "vkGetPhysicalDeviceSurfacePresentModesKHR");
+  return modes;
+}
+
 bool isSrgb(VkFormat format) {
   return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_R8G8B8A8_SRGB ||
          format == VK_FORMAT_A8B8G8R8_SRGB_PACK32;
@@ -66,8 +76,8 @@ VkExtent2D extentOf(const VkSurfaceCapabilitiesKHR& can, VkExtent2D window) {
 
 }  // namespace
 
-Swapchain::Swapchain(const Device& device, const Window& window, bool onlySrgb)
-    : device_(device), window_(window), onlySrgb_(onlySrgb) {
+Swapchain::Swapchain(const Device& device, const Window& window, const SwapchainOptions& options)
+    : device_(device), window_(window), options_(options) {
   makeSurface();
   for (Slot& slot : slots_) makeSlot(slot);
 }
@@ -101,10 +111,19 @@ Swapchain::Format Swapchain::chosenFormat() const {
     for (const auto& [shown, drawn] : kFormats)
       for (const VkSurfaceFormatKHR& format : formats)
         if (format.format == shown && (anySpace || format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) &&
-            (!onlySrgb_ || isSrgb(shown)))
+            (!options_.onlySrgb || isSrgb(shown)))
           return {drawn, format};
   fail(ErrorCode::unsupported, "the window takes none of the formats that pictures can be shown in, but {} others",
        formats.size());
+}
+
+// FIFO is the one that always is there.
+VkPresentModeKHR Swapchain::chosenMode() const {
+  if (options_.pace == Pace::refresh) return VK_PRESENT_MODE_FIFO_KHR;
+  const std::vector<VkPresentModeKHR> modes = presentModes(device_.physicalDevice(), surface_->get());
+  for (const auto wanted : {VK_PRESENT_MODE_MAILBOX_KHR, VK_PRESENT_MODE_IMMEDIATE_KHR})
+    if (std::ranges::find(modes, wanted) != modes.end()) return wanted;
+  return VK_PRESENT_MODE_FIFO_KHR;
 }
 
 void Swapchain::makeSurface() {
@@ -142,7 +161,7 @@ bool Swapchain::goesOn(VkResult result, const char* call) {
     lost_ = true;
   }
   outdated_ |= lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR;
-  if (lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT) return false;
+  if (lost_ || result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY) return false;
   if (result != VK_SUBOPTIMAL_KHR) vk(result, call);
   return true;
 }
@@ -171,7 +190,7 @@ void Swapchain::makeImages() {
                                       .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
                                       .preTransform = can.currentTransform,
                                       .compositeAlpha = compositeAlpha(can.supportedCompositeAlpha),
-                                      .presentMode = VK_PRESENT_MODE_FIFO_KHR,  // the one that always is there
+                                      .presentMode = chosenMode(),
                                       .clipped = VK_TRUE};
   if (!goesOn(vkCreateSwapchainKHR(device_.handle(), &info, nullptr, &swapchain_), "vkCreateSwapchainKHR")) return;
   std::uint32_t count = 0;
@@ -199,7 +218,10 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
   if (images_.empty()) return std::nullopt;
   const Slot& slot = slots_[slot_];
   const VkFence done = slot.done.get();
-  vk(vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
+  const VkResult waited =
+      vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, options_.pace == Pace::whenever ? 0 : kForever);
+  if (waited == VK_TIMEOUT) return std::nullopt;
+  vk(waited, "vkWaitForFences");
   vk(vkResetCommandPool(device_.handle(), slot.pool.get(), 0), "vkResetCommandPool");
   const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
@@ -209,10 +231,11 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
 
 std::optional<std::uint32_t> Swapchain::acquire(const Slot& slot) {
   std::uint32_t index = 0;
-  const VkResult result = std::exchange(loses_, false)
-                              ? VK_ERROR_SURFACE_LOST_KHR
-                              : vkAcquireNextImageKHR(device_.handle(), swapchain_, kLongestWait, slot.acquired.get(),
-                                                      VK_NULL_HANDLE, &index);
+  const std::uint64_t longest = options_.pace == Pace::whenever ? 0 : kLongestWait;
+  const VkResult result =
+      std::exchange(loses_, false)
+          ? VK_ERROR_SURFACE_LOST_KHR
+          : vkAcquireNextImageKHR(device_.handle(), swapchain_, longest, slot.acquired.get(), VK_NULL_HANDLE, &index);
   return goesOn(result, "vkAcquireNextImageKHR") ? std::optional(index) : std::nullopt;
 }
 

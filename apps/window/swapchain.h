@@ -6,7 +6,7 @@
 // what draws knows one image. Images are made anew when the window changes its size or the surface says that they are
 // out of date, and the surface too where it is lost; until there is something to draw into (a minimised window has no
 // pixels) `begin` gives nothing. Frames use what they use until the device has finished them: `begin` waits for the
-// frame before the last.
+// frame before the last, or gives nothing until it is done, as the pace says.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -20,7 +20,7 @@
 #include "gpu/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
-#include "viewer/window.h"
+#include "window/window.h"
 
 namespace ibr::app {
 
@@ -42,11 +42,22 @@ class Surface {
   VkSurfaceKHR surface_;
 };
 
+/// What a frame waits for.
+enum class Pace {
+  refresh,   // the display: each frame is shown, none is torn
+  whenever,  // nothing: what comes too soon is dropped, so that a window never holds up what else a program draws
+};
+
+struct SwapchainOptions {
+  Pace pace = Pace::refresh;
+  bool onlySrgb = false;  // as if the window took such formats alone, for tests
+};
+
 class Swapchain {
  public:
-  /// The device has VK_KHR_swapchain and was made with Window::instanceExtensions. `onlySrgb`: as if the window took
-  /// such formats alone, for tests. Throws Error{unsupported} where it cannot show pictures in this window.
-  Swapchain(const Device& device, const Window& window, bool onlySrgb = false);
+  /// The device has VK_KHR_swapchain and was made with Window::instanceExtensions. Throws Error{unsupported} where it
+  /// cannot show pictures in this window.
+  Swapchain(const Device& device, const Window& window, const SwapchainOptions& options = {});
   Swapchain(const Swapchain&) = delete;
   Swapchain& operator=(const Swapchain&) = delete;
   ~Swapchain();  // waits for the device
@@ -62,9 +73,11 @@ class Swapchain {
   static constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   static constexpr ImageUse kAfter = use::kTransferSource;
 
-  /// nullopt: not now. Throws Error: outOfMemory; deviceLost, also where the surface is lost again and again.
+  /// nullopt: not now. Waits for the device, at any pace, where the window has changed and images are made anew. Throws
+  /// Error: outOfMemory; deviceLost, also where the surface is lost again and again.
   std::optional<Frame> begin();
-  /// Submits and shows it. Says whether it is shown: the window may have changed or be hidden meanwhile.
+  /// Submits and shows it. Says whether it is shown: the window may have changed or be hidden meanwhile, or have no
+  /// image free where the pace is `whenever`.
   bool end(const Frame& frame);
   /// Ends the commands without submitting them.
   void abandon(const Frame& frame) noexcept;
@@ -88,6 +101,7 @@ class Swapchain {
     SemaphoreHandle acquired;
   };
   Format chosenFormat() const;
+  VkPresentModeKHR chosenMode() const;
   void makeSlot(Slot& slot) const;
   void makeSurface();
   void replaceSurface();
@@ -100,7 +114,7 @@ class Swapchain {
 
   const Device& device_;
   const Window& window_;
-  const bool onlySrgb_;
+  const SwapchainOptions options_;
   std::optional<Surface> surface_;
   Format format_{};
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/folders.h"
+#include "shared/folders.h"
 
 #include <cstdlib>
 #include <fstream>
