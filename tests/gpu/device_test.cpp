@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "gpu/buffer.h"
 #include "gpu/device_choice.h"
-#include "handmade_device.h"
+#include "gpu/submit.h"
 #include "ibr/error.h"
 #include "support/gpu.h"
+#include "support/handmade_device.h"
 #include "support/temporary_folder.h"
 #include "test_picture.h"
 
@@ -213,6 +217,52 @@ TEST_CASE("an adopted device stays its maker's") {
   }
   CHECK(vkDeviceWaitIdle(handmade.handles().device) == VK_SUCCESS);
   CHECK(test::samplePicture(Device::adopt(handmade.handles())) == test::expectedPicture());
+}
+
+TEST_CASE("an adopted device's messages are those that its maker counts") {
+  const test::HandmadeDevice handmade;
+  const Device adopted = Device::adopt(handmade.handles());
+  const auto copyTooSoon = [&] {
+    const Buffer a(adopted, 64, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::device, "a");
+    const Buffer b(adopted, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::device, "b");
+    submitAndWait(adopted, [&](VkCommandBuffer commands) {
+      vkCmdFillBuffer(commands, b.get(), 0, VK_WHOLE_SIZE, 1);
+      const VkBufferCopy region{0, 0, a.size()};
+      vkCmdCopyBuffer(commands, a.get(), b.get(), 1, &region);  // without a barrier
+    });
+  };
+  const test::ExpectedMessages messages;
+  copyTooSoon();
+  CHECK(messages.texts.size() >= 1);
+  CHECK(adopted.validationMessages() == messages.texts.size());
+  DeviceHandles uncounted = handmade.handles();
+  uncounted.validationMessages = nullptr;
+  CHECK(Device::adopt(uncounted).validationMessages() == 0);
+}
+
+TEST_CASE("two threads use a queue in turns, and neither holds it while it records or waits") {
+  const test::HandmadeDevice handmade;
+  std::mutex mutex;
+  DeviceHandles handles = handmade.handles();
+  handles.queueMutex = &mutex;
+  CHECK(testDevice().queueMutex() == nullptr);
+  int heldMeanwhile = 0;
+  const auto use = [&handles] {
+    const Device device = Device::adopt(handles);
+    Submission submission(device);
+    for (int i = 0; i < 400; ++i) submission.run([](VkCommandBuffer) {});
+  };
+  std::thread other(use);
+  use();
+  other.join();
+  submitAndWait(Device::adopt(handles), [&](VkCommandBuffer) {
+    if (mutex.try_lock())
+      mutex.unlock();
+    else
+      ++heldMeanwhile;
+  });
+  CHECK(heldMeanwhile == 0);
+  CHECK(Device::adopt(handles).validationMessages() == 0);
 }
 
 TEST_CASE("what cannot be adopted is named") {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/file.h"
-#include "handmade_device.h"
 #include "support/gpu.h"
+#include "support/handmade_device.h"
 #include "support/temporary_folder.h"
 #include "test_picture.h"
 

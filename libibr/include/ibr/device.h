@@ -2,14 +2,17 @@
 // A Vulkan device: made by us, or borrowed from the caller (an engine, an OpenXR runtime).
 //
 // No global state; several devices in one process work. A Device is used by one thread at a time, and everything made
-// from it is destroyed before it. The caller externally synchronises the queue of an adopted device.
+// from it is destroyed before it. The caller externally synchronises the queue of an adopted device, or gives a mutex:
+// then several threads may each adopt the same handles, and one makes a GpuScene while another goes on with frames.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -47,9 +50,9 @@ struct DeviceOptions {
   std::vector<std::string> instanceExtensions;  // further ones, such as GLFW's surface extensions
   std::vector<std::string> deviceExtensions;    // further ones, such as VK_KHR_swapchain
   LogCallback log;                              // validation messages (errors and warnings) and the choice of device
-  /// Where compiled pipelines are kept for the next start; empty: nowhere. Read where it is there and of this device and
-  /// driver, else ignored and the log told; written whole as the device goes, in a folder that must be there. What fails
-  /// then is told to the log, which must outlive the device.
+  /// Where compiled pipelines are kept for the next start; empty: nowhere. Read where it is there and of this device
+  /// and driver, else ignored and the log told; written whole as the device goes, in a folder that must be there. What
+  /// fails then is told to the log, which must outlive the device.
   std::filesystem::path pipelineCache;
 };
 
@@ -63,6 +66,8 @@ struct DeviceHandles {
   DeviceFeatures optionalFeatures;  // VK_TRUE for those of requirements().optionalFeatures that were enabled
   LogCallback log;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // the caller's own, if any: pipelines are made with it
+  std::mutex* queueMutex = nullptr;                // held around every use of the queue; null: one thread uses it
+  const std::atomic<std::uint64_t>* validationMessages = nullptr;  // counted by the caller's messenger, if any
 };
 
 /// A physical device as `ibr device` lists it.
@@ -94,6 +99,8 @@ class Device {
   VkDevice handle() const noexcept;
   VkQueue queue() const noexcept;
   std::uint32_t queueFamily() const noexcept;
+  /// What is held around every use of the queue of an adopted device, as it was given; else null.
+  std::mutex* queueMutex() const noexcept;
   /// What all pipelines are made with; VK_NULL_HANDLE where an adopted device came without one.
   VkPipelineCache pipelineCache() const noexcept;
   const VkPhysicalDeviceProperties& properties() const noexcept;
@@ -105,7 +112,8 @@ class Device {
   bool countsTogether64Bits() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
-  /// How many messages the validation layer has sent so far (0 without validation). Tests demand 0.
+  /// How many messages the validation layer has sent so far (0 without validation), of an adopted device as the caller
+  /// counts them. Tests demand 0.
   std::uint64_t validationMessages() const noexcept;
 
   /// Raised whenever a ShaderReloader (ibr/shader_reload.h) replaces shaders or takes some back: what was made from

@@ -42,6 +42,8 @@ struct Device::State {
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
   std::uint32_t queueFamily = 0;
+  std::mutex* queueMutex = nullptr;
+  const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
   std::optional<PipelineCache> ownedCache;
   VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // its, or a borrowed one
   VkPhysicalDeviceProperties properties{};
@@ -111,6 +113,8 @@ Device Device::adopt(const DeviceHandles& handles) {
   state->device = handles.device;
   state->queue = handles.queue;
   state->queueFamily = handles.queueFamily;
+  state->queueMutex = handles.queueMutex;
+  if (handles.validationMessages) state->validationMessages = handles.validationMessages;
   state->pipelineCache = handles.pipelineCache;
   state->features = handles.optionalFeatures;
   state->describeDevice();
@@ -151,6 +155,9 @@ VkQueue Device::queue() const noexcept {
 std::uint32_t Device::queueFamily() const noexcept {
   return state_->queueFamily;
 }
+std::mutex* Device::queueMutex() const noexcept {
+  return state_->queueMutex;
+}
 VkPipelineCache Device::pipelineCache() const noexcept {
   return state_->pipelineCache;
 }
@@ -173,7 +180,7 @@ std::string Device::name() const {
   return state_->name;
 }
 std::uint64_t Device::validationMessages() const noexcept {
-  return state_->messages.validationMessages();
+  return *state_->validationMessages;
 }
 std::uint64_t Device::shaderGeneration() const noexcept {
   return state_->shaders.generation;

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "gpu/instance.h"
+#include "gpu/validation.h"
 
 namespace ibr {
 

@@ -7,7 +7,17 @@
 
 namespace ibr {
 
-Submission::Submission(const Device& device) : device_(device.handle()), queue_(device.queue()) {
+namespace {
+
+// Held while it lives, where there is one.
+std::unique_lock<std::mutex> held(std::mutex* mutex) {
+  return mutex ? std::unique_lock(*mutex) : std::unique_lock<std::mutex>();
+}
+
+}  // namespace
+
+Submission::Submission(const Device& device)
+    : device_(device.handle()), queue_(device.queue()), queueMutex_(device.queueMutex()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
                                          .queueFamilyIndex = device.queueFamily()};
@@ -36,10 +46,16 @@ void Submission::run(const std::function<void(VkCommandBuffer)>& record) {
                                                .commandBuffer = commands_};
   const VkSubmitInfo2 info{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commandsInfo};
-  vk(vkQueueSubmit2(queue_, 1, &info, fence), "vkQueueSubmit2");
+  {
+    const auto lock = held(queueMutex_);
+    vk(vkQueueSubmit2(queue_, 1, &info, fence), "vkQueueSubmit2");
+  }
   const VkResult result = vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX);
   // The callers' objects may go as soon as this throws, so the device must be done with them by then.
-  if (result != VK_SUCCESS) vkQueueWaitIdle(queue_);
+  if (result != VK_SUCCESS) {
+    const auto lock = held(queueMutex_);
+    vkQueueWaitIdle(queue_);
+  }
   vk(result, "vkWaitForFences");
 }
 

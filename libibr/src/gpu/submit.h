@@ -5,6 +5,7 @@
 #include <vulkan/vulkan_core.h>
 
 #include <functional>
+#include <mutex>
 
 #include "gpu/handle.h"
 #include "ibr/device.h"
@@ -23,6 +24,7 @@ class Submission {
  private:
   VkDevice device_;
   VkQueue queue_;
+  std::mutex* queueMutex_;
   CommandPoolHandle pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's
   FenceHandle fence_;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gpu/vulkan.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include "base/check.h"
 
 namespace ibr {
@@ -67,6 +71,15 @@ ErrorCode errorCode(VkResult result) {
 
 void vk(VkResult result, const char* call) {
   check(result == VK_SUCCESS, errorCode(result), "{}: {} ({})", call, resultName(result), int(result));
+}
+
+bool hasInstanceExtension(std::string_view name, const char* layer) {
+  std::uint32_t count = 0;
+  vk(vkEnumerateInstanceExtensionProperties(layer, &count, nullptr), "vkEnumerateInstanceExtensionProperties");
+  std::vector<VkExtensionProperties> extensions(count);
+  vk(vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data()),
+     "vkEnumerateInstanceExtensionProperties");
+  return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name == e.extensionName; });
 }
 
 }  // namespace ibr

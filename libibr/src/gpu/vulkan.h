@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of Vulkan calls as exceptions.
+// Results of Vulkan calls as exceptions, and what the loader has.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
+
+#include <string_view>
 
 namespace ibr {
 
@@ -11,5 +13,8 @@ const char* resultName(VkResult result) noexcept;
 
 /// Throws Error (outOfMemory, deviceLost, unsupported, else vulkan) that names call and result unless it is VK_SUCCESS.
 void vk(VkResult result, const char* call);
+
+/// Whether the loader and the drivers have an instance extension, or with `layer` that layer. Throws as vk().
+bool hasInstanceExtension(std::string_view name, const char* layer = nullptr);
 
 }  // namespace ibr

@@ -4,6 +4,9 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <optional>
+
+#include "gpu/validation.h"
 #include "ibr/device.h"
 
 namespace ibr::test {
@@ -16,12 +19,12 @@ class HandmadeDevice {
   HandmadeDevice& operator=(const HandmadeDevice&) = delete;
   ~HandmadeDevice();
 
-  DeviceHandles handles() const { return {instance_, physicalDevice_, device_, queue_, queueFamily_, {}, log_}; }
+  DeviceHandles handles() const;
 
  private:
-  LogCallback log_;
+  Messages messages_;
   VkInstance instance_ = VK_NULL_HANDLE;
-  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  std::optional<Messenger> messenger_;
   VkPhysicalDevice physicalDevice_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "handmade_device.h"
+#include "support/handmade_device.h"
 
 #include <stdexcept>
 #include <string>
@@ -14,12 +14,6 @@ void require(VkResult result) {
   if (result != VK_SUCCESS) throw std::runtime_error("the handmade device could not be made");
 }
 
-VKAPI_ATTR VkBool32 VKAPI_CALL receive(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                       const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
-  (*static_cast<LogCallback*>(log))(LogLevel::error, data->pMessage);
-  return VK_FALSE;
-}
-
 std::vector<const char*> pointers(const std::vector<std::string>& names) {
   std::vector<const char*> result;
   for (const std::string& name : names) result.push_back(name.c_str());
@@ -28,30 +22,22 @@ std::vector<const char*> pointers(const std::vector<std::string>& names) {
 
 }  // namespace
 
-HandmadeDevice::HandmadeDevice(std::uint32_t apiVersion) : log_(testLog()) {
+HandmadeDevice::HandmadeDevice(std::uint32_t apiVersion) : messages_(testLog()) {
   DeviceRequirements requirements = Device::requirements();
   if (apiVersion == 0) apiVersion = requirements.apiVersion;
+  const Validation validation(messages_);
   const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = apiVersion};
-  const VkDebugUtilsMessengerCreateInfoEXT messengerInfo{
-      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-      .messageSeverity =
-          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
-      .pfnUserCallback = receive,
-      .pUserData = &log_};
-  const char* const layer = "VK_LAYER_KHRONOS_validation";
-  requirements.instanceExtensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-  const auto instanceExtensions = pointers(requirements.instanceExtensions);
+  auto instanceExtensions = pointers(requirements.instanceExtensions);
+  instanceExtensions.insert(instanceExtensions.end(), Validation::kExtensions.begin(), Validation::kExtensions.end());
   const VkInstanceCreateInfo instanceInfo{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                          .pNext = &messengerInfo,
+                                          .pNext = validation.chain(),
                                           .pApplicationInfo = &application,
                                           .enabledLayerCount = 1,
-                                          .ppEnabledLayerNames = &layer,
+                                          .ppEnabledLayerNames = &Validation::kLayer,
                                           .enabledExtensionCount = std::uint32_t(instanceExtensions.size()),
                                           .ppEnabledExtensionNames = instanceExtensions.data()};
   require(vkCreateInstance(&instanceInfo, nullptr, &instance_));
-  require(reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(
-      instance_, "vkCreateDebugUtilsMessengerEXT"))(instance_, &messengerInfo, nullptr, &messenger_));
+  messenger_.emplace(instance_, messages_);
 
   std::uint32_t count = 0;
   require(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
@@ -83,9 +69,18 @@ HandmadeDevice::HandmadeDevice(std::uint32_t apiVersion) : log_(testLog()) {
 
 HandmadeDevice::~HandmadeDevice() {
   vkDestroyDevice(device_, nullptr);
-  reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-      vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"))(instance_, messenger_, nullptr);
+  messenger_.reset();
   vkDestroyInstance(instance_, nullptr);
+}
+
+DeviceHandles HandmadeDevice::handles() const {
+  return {.instance = instance_,
+          .physicalDevice = physicalDevice_,
+          .device = device_,
+          .queue = queue_,
+          .queueFamily = queueFamily_,
+          .log = testLog(),
+          .validationMessages = &messages_.validationMessages()};
 }
 
 }  // namespace ibr::test
