@@ -16,7 +16,7 @@ constexpr int kInFlight = 3;                                  // frames begun be
 constexpr double kFull = 0.85, kRoom = 0.6, kFarOver = 1.25;  // of the period
 constexpr double kMissedShare = 0.5;  // of the period: a frame missed that took less was not missed for its work
 constexpr double kRoomSeconds = 1.5;  // before a step up
-constexpr double kSoonSeconds = 3;    // in which a step that is taken back counts as a mistake
+constexpr double kSoonSeconds = 10;   // in which a step that is taken back counts as a mistake
 constexpr int kMostTaken = 6;         // doublings of kRoomSeconds
 constexpr double kSmallerLoad = 0.8;  // of what a level cost when the step from it was taken back
 
@@ -36,6 +36,14 @@ double waitAt(const GovernorState& state, std::size_t level) {
   return kRoomSeconds * double(1 << state.taken[level]);
 }
 
+// The step up to this level is taken back: soon is no success, and the next try comes later.
+void noteTakenBack(GovernorState& state) {
+  int& taken = state.taken[state.level];
+  const bool soon = state.heldSeconds < kSoonSeconds * double(1 << taken);
+  taken = soon ? std::min(taken + 1, kMostTaken) : 0;
+  state.takenCostMs[state.level] = state.climbCostMs;
+}
+
 Decision stepTo(GovernorState& state, std::size_t level, double costMs) {
   Decision decision{level, fmt::format("frame {}: {:.1f} ms of {:.1f} ms: {}", state.frame, costMs, state.periodMs,
                                        levelChange(state.levels[state.level], state.levels[level]))};
@@ -48,15 +56,13 @@ Decision stepTo(GovernorState& state, std::size_t level, double costMs) {
 }
 
 Decision stepDown(GovernorState& state, double costMs, std::size_t steps) {
+  state.roomSeconds = 0;
   if (state.level + 1 == state.levels.size()) {
     if (std::exchange(state.exhausted, true)) return {state.level, ""};
     return {state.level, fmt::format("frame {}: {:.1f} ms of {:.1f} ms: nothing is left to leave out", state.frame,
                                      costMs, state.periodMs)};
   }
-  if (state.climbed && state.heldSeconds < kSoonSeconds) {
-    state.taken[state.level] = std::min(state.taken[state.level] + 1, kMostTaken);
-    state.takenCostMs[state.level] = state.climbCostMs;
-  }
+  if (state.climbed) noteTakenBack(state);
   return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), costMs);
 }
 
@@ -73,16 +79,16 @@ void remember(GovernorState& state, double ms) {
 
 }  // namespace
 
-GovernorState startGovernor(const RenderSettings& asked) {
+GovernorState startGovernor(std::vector<RenderSettings> ladder) {
   GovernorState state;
-  state.levels = ladder(asked);
+  state.levels = std::move(ladder);
   state.taken.assign(state.levels.size(), 0);
   state.takenCostMs.assign(state.levels.size(), 0);
   return state;
 }
 
-void ask(GovernorState& state, const RenderSettings& asked) {
-  GovernorState fresh = startGovernor(asked);
+void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder) {
+  GovernorState fresh = startGovernor(std::move(ladder));
   fresh.level = std::min(state.level, fresh.levels.size() - 1);
   fresh.frame = state.frame;
   fresh.periodMs = state.periodMs;

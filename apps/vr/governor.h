@@ -22,7 +22,9 @@ namespace ibr::app {
 /// - cells and backdrops down to 2, where holes may open;
 /// - resolution 0.5;
 /// - colour mapping off: last, as it changes how everything looks.
-std::vector<RenderSettings> ladder(const RenderSettings& asked);
+/// Levels that would change nothing are left out: `cells` and `backdrops` are how many the scene has.
+std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells = kLargestCellCount,
+                                   std::size_t backdrops = kLargestBackdropCount);
 
 /// What tells two levels apart, for people: "cells 12 → 8, backdrops 12 → 8".
 std::string levelChange(const RenderSettings& from, const RenderSettings& to);
@@ -49,10 +51,12 @@ struct GovernorState {
   bool exhausted = false;              // too slow at the cheapest level, and that was said
 };
 
-GovernorState startGovernor(const RenderSettings& asked);
+/// `ladder`: at least one level.
+GovernorState startGovernor(std::vector<RenderSettings> ladder);
 
-/// Other settings are asked for: another ladder, at the same level as far as it has one; nothing else is remembered.
-void ask(GovernorState& state, const RenderSettings& asked);
+/// Other settings are asked for, or another scene is shown: at the same level as far as there is one; of costs nothing
+/// is remembered.
+void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder);
 
 struct Decision {
   std::size_t level = 0;  // to draw the next frame with, of GovernorState::levels
@@ -63,7 +67,8 @@ struct Decision {
 /// One frame has been measured. Down, before a frame is missed: when all but one of the last eight do not stay below
 /// 85 % of the period; after a miss that is not alone, at once; two levels when far over. A single frame, however late,
 /// changes nothing while the others have room. Up: after 1.5 s below 60 %, one level; where that has to be taken back
-/// within 3 s the next try waits twice as long, up to 96 s, unless the load has become smaller by a fifth. The first
+/// within 10 s (longer after longer waits) the next try waits twice as long, up to 96 s, unless the load has become
+/// smaller by a fifth. The first
 /// frames after a step were begun before it and are not looked at.
 Decision govern(GovernorState& state, const FrameCost& cost);
 

@@ -16,9 +16,10 @@ void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) 
   if (!(level == levels.back())) levels.push_back(level);
 }
 
-RenderSettings fewer(RenderSettings settings, std::uint32_t count) {
-  settings.maxCells = std::min(settings.maxCells, count);
-  settings.maxBackdrops = std::min(settings.maxBackdrops, count);
+// At most `count`, where more than that would be drawn.
+RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t backdrops) {
+  if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
+  if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
   return settings;
 }
 
@@ -42,20 +43,21 @@ const char* nameOf(ColourMapping mapping) {
 
 }  // namespace
 
-std::vector<RenderSettings> ladder(const RenderSettings& asked) {
+std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t backdrops) {
+  if (asked.lowestTier < kTierBackdrop || !asked.soloCells.empty()) backdrops = 0;  // none is drawn
   std::vector<RenderSettings> levels{asked};
   const auto scaledBy = [&](double share) {
     RenderSettings level = levels.back();
     level.renderScale = share * asked.renderScale;
     addLevel(levels, level);
   };
-  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count));
+  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, backdrops));
   scaledBy(0.85);
   scaledBy(0.7);
   RenderSettings dithered = levels.back();
   dithered.blend = BlendMode::dither;
   addLevel(levels, dithered);
-  addLevel(levels, fewer(levels.back(), kFewest));
+  addLevel(levels, fewer(levels.back(), kFewest, cells, backdrops));
   scaledBy(0.5);
   RenderSettings unmapped = levels.back();
   unmapped.colourMapping = ColourMapping::off;
@@ -70,7 +72,8 @@ std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
   };
   add(from.maxCells != to.maxCells, "cells", from.maxCells, to.maxCells);
   add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
-  add(from.renderScale != to.renderScale, "resolution", from.renderScale, to.renderScale);
+  add(from.renderScale != to.renderScale, "resolution", fmt::format("{:.3g}", from.renderScale),
+      fmt::format("{:.3g}", to.renderScale));
   add(from.blend != to.blend, "blending", nameOf(from.blend), nameOf(to.blend));
   add(from.colourMapping != to.colourMapping, "colour mapping", nameOf(from.colourMapping), nameOf(to.colourMapping));
   return text;

@@ -6,15 +6,15 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "vr/hand_input.h"
+
 namespace ibr::app {
 namespace {
 
 using Select = WalkState::HandState::Select;
 
-constexpr double kLongestStep = 0.1;                // s
-constexpr double kTurnsBeyond = 0.7, kRest = 0.35;  // of the stick's way
-constexpr double kDeadZone = 0.15;                  // of the stick's way
-constexpr double kVignetteSeconds = 0.12;           // in which it comes nearer to what is wanted by 63 %
+constexpr double kDeadZone = 0.15;         // of the stick's way
+constexpr double kVignetteSeconds = 0.12;  // in which it comes nearer to what is wanted by 63 %
 constexpr double kLeastVignette = 1e-3;
 constexpr double kScaleRange = 1e3;
 constexpr double kNearMetres = 0.3;  // nothing nearer to a hand is pointed at
@@ -23,91 +23,8 @@ bool isFinite(glm::dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-std::optional<Pose> soundPose(const Pose& pose) {
-  const glm::dquat& q = pose.rotation;
-  const double length = glm::length(q);
-  if (!isFinite(pose.position) || !std::isfinite(length) || !(length > 0.1)) return std::nullopt;
-  return Pose{pose.position, q / length};
-}
-
-double sound(double value) {
-  return std::isfinite(value) ? std::clamp(value, -1.0, 1.0) : 0;
-}
-
-// What a step goes by: input with all that is not finite taken out.
-struct Given {
-  double seconds = 0;
-  std::optional<Pose> head;
-  std::array<HandInput, 2> hands;
-};
-
-Given given(const WalkInput& input) {
-  Given given;
-  given.seconds = input.seconds > 0 ? std::min(input.seconds, kLongestStep) : 0;
-  if (input.head) given.head = soundPose(*input.head);
-  for (std::size_t i = 0; i < 2; ++i) {
-    HandInput& hand = given.hands[i] = input.hands[i];
-    const auto aim = soundPose(hand.aim);
-    if (!aim) hand.active = false;
-    if (!hand.active) hand = {};
-    if (hand.active) hand.aim = *aim;
-    hand.stick = {sound(hand.stick.x), sound(hand.stick.y)};
-    hand.turn = sound(hand.turn);
-  }
-  return given;
-}
-
-double photographHeight(const WalkState& state, const WalkSettings& settings) {
-  return settings.photographHeightMetres * state.tracking.unitsPerMetre;
-}
-
-void aim(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const HandInput& hand,
-         WalkState::HandState& memory) {
-  PointingSettings pointing;
-  pointing.leastDistance = kNearMetres * state.tracking.unitsPerMetre;
-  memory.pointed = pointedSpot(place.spots, rayOf(inWorld(state.tracking, hand.aim)), place.up,
-                               photographHeight(state, settings), memory.pointed, pointing);
-}
-
-// What select does. Gives the spot that the hand let go at.
-std::optional<std::size_t> selected(WalkState::HandState& memory, const HandInput& hand, bool headThere) {
-  if (!hand.active) {
-    memory = {};
-    return std::nullopt;
-  }
-  if (hand.select) {
-    if (memory.select == Select::free) memory.select = hand.onPanel ? Select::panel : Select::aiming;
-    if (memory.select == Select::aiming && hand.onPanel) memory.pointed.reset();
-    return std::nullopt;
-  }
-  const bool goes = memory.select == Select::aiming && !hand.onPanel && headThere;
-  memory.select = Select::free;
-  const auto spot = std::exchange(memory.pointed, std::nullopt);
-  return goes ? spot : std::nullopt;
-}
-
-bool menuPressed(WalkState::HandState& memory, const HandInput& hand) {
-  return hand.active && hand.menu && std::exchange(memory.menuFree, false) ? true
-                                                                           : (memory.menuFree = !hand.menu, false);
-}
-
-const HandInput& turningHand(const Given& input) {
-  return input.hands[input.hands[kRight].active || !input.hands[kLeft].active ? kRight : kLeft];
-}
-
-// +1 to the right, −1 to the left, 0: none now.
-int stickTurn(WalkState& state, const Given& input) {
-  const HandInput& hand = turningHand(input);
-  const double x = std::abs(hand.turn) > std::abs(hand.stick.x) ? hand.turn : hand.stick.x;
-  const int side = x > 0 ? 1 : -1;
-  if (std::abs(x) < kRest) state.turnedTo = 0;
-  if (!(std::abs(x) > kTurnsBeyond) || state.turnedTo == side) return 0;
-  state.turnedTo = side;
-  return side;
-}
-
 // Tracking space, of length up to 1: where the left stick leads.
-glm::dvec3 stickMotion(const Given& input, const Pose& head) {
+glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
   const glm::dvec2 stick = input.hands[kLeft].stick;
   // A hand that is alone turns with x.
   const double x = input.hands[kRight].active ? stick.x : 0, length = std::hypot(x, stick.y);
@@ -118,17 +35,24 @@ glm::dvec3 stickMotion(const Given& input, const Pose& head) {
 }
 
 // Moves the tracking and gives the share of the full speed that was gone with.
-double move(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const Given& input) {
+double move(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input) {
   const glm::dvec3 motion = stickMotion(input, *input.head);
   if (motion == glm::dvec3(0) || !(input.seconds > 0)) return glm::length(motion);
   const glm::dvec3 eyes = inWorld(state.tracking, input.head->position);
+  const Tracking& tracking = state.tracking;
   const glm::dvec3 step =
-      inWorld(state.tracking, motion * (settings.metresPerSecond * input.seconds)) - state.tracking.origin;
-  const glm::dvec3 from = eyes - glm::dot(eyes, place.up) * place.up;
-  const glm::dvec3 gone = keptWithin(place.level, from, from + step) - from;
+      tracking.rotation * (motion * (settings.metresPerSecond * input.seconds * tracking.unitsPerMetre));
+  const glm::dvec3 from = eyes - glm::dot(eyes, place.up) * place.up, to = from + step;
+  const glm::dvec3 kept = keptWithin(place.level, from, to), gone = kept == to ? step : kept - from;
   if (!isFinite(gone)) return 0;
   state.tracking.origin += gone - glm::dot(gone, place.up) * place.up;
   return std::min(1.0, glm::length(gone) / glm::length(step)) * glm::length(motion);
+}
+
+bool turnBy(WalkState& state, const Pose& head, double radians) {
+  if (radians == 0) return false;
+  state.tracking = turned(state.tracking, head, radians);
+  return true;
 }
 
 void followVignette(WalkState& state, double wanted, double seconds) {
@@ -170,6 +94,32 @@ void fade(WalkState& state, bool black, bool headThere, double seconds) {
   if (state.phase == FadePhase::out && state.fade == 1) state.phase = FadePhase::in;
 }
 
+// Presses and releases of both hands.
+void listen(WalkState& state, const WalkPlace& place, const GivenInput& input, WalkOutput& output) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (menuPressed(state.hands[i], input.hands[i])) output.menuToggled = !output.menuToggled;
+    if (const auto spot = selected(state.hands[i], input.hands[i], input.head.has_value())) goTo(state, place, *spot);
+  }
+}
+
+// What hands point at that are aiming, for this frame's picture and for a release in the next.
+void point(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const GivenInput& input,
+           WalkOutput& output) {
+  PointingSettings pointing;
+  pointing.leastDistance = kNearMetres * state.tracking.unitsPerMetre;
+  const double height = settings.photographHeightMetres * state.tracking.unitsPerMetre;
+  for (std::size_t i = 0; i < 2; ++i) {
+    WalkState::HandState& memory = state.hands[i];
+    HandOutput& hand = output.hands[i];
+    hand.panelSelect = memory.select == Select::panel;
+    hand.aiming = memory.select == Select::aiming && !input.hands[i].onPanel && input.head;
+    if (!hand.aiming) continue;
+    const Ray ray = rayOf(inWorld(state.tracking, input.hands[i].aim));
+    hand.pointed = memory.pointed = pointedSpot(place.spots, ray, place.up, height, memory.pointed, pointing);
+    output.showMarks = true;
+  }
+}
+
 // The last head's place and facing in the world become this head's.
 void realign(WalkState& state, const Pose& head) {
   if (!std::exchange(state.realign, false) || !state.lastHead) return;
@@ -199,36 +149,22 @@ WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::o
 }
 
 WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const WalkInput& input) {
-  const Given now = given(input);
+  const GivenInput now = given(input);
   WalkOutput output;
   if (now.head) realign(state, *now.head);
-  for (std::size_t i = 0; i < 2; ++i) {
-    WalkState::HandState& memory = state.hands[i];
-    const HandInput& hand = now.hands[i];
-    if (menuPressed(memory, hand)) output.menuToggled = !output.menuToggled;
-    if (const auto spot = selected(memory, hand, now.head.has_value())) goTo(state, place, *spot);
-  }
+  listen(state, place, now, output);
   if (input.goTo) goTo(state, place, *input.goTo);
-  const int turn = stickTurn(state, now);
+  const int turn = stickTurn(state, now.hands);
   double speed = 0;
   if (now.head) {
-    if (turn != 0 && settings.snapTurn != 0 && std::isfinite(settings.snapTurn)) {
-      state.tracking = turned(state.tracking, *now.head, -turn * settings.snapTurn);
-      output.turned = true;
-    }
+    output.turned = turnBy(state, *now.head, -turn * settings.snapTurn);
     if (settings.smoothMotion && state.phase == FadePhase::clear) speed = move(state, place, settings, now);
     rescale(state, settings, *now.head, input.scale);
   }
   fade(state, input.black, now.head.has_value(), now.seconds);
   if (now.head && state.fade == 1) jump(state, place, settings, *now.head, output);
-  followVignette(state, speed * settings.vignette, now.seconds);
-  for (std::size_t i = 0; i < 2; ++i) {
-    WalkState::HandState& memory = state.hands[i];
-    const bool aiming = memory.select == Select::aiming && !now.hands[i].onPanel && now.head;
-    if (aiming) aim(state, place, settings, now.hands[i], memory);
-    output.hands[i] = {aiming, memory.pointed, memory.select == Select::panel};
-    output.showMarks = output.showMarks || aiming;
-  }
+  followVignette(state, speed * std::clamp(settings.vignette, 0.0, 1.0), now.seconds);
+  point(state, place, settings, now, output);
   if (now.head) state.lastHead = now.head;
   output.tracking = state.tracking;
   output.fade = state.fade;

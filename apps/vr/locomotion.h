@@ -2,7 +2,8 @@
 // How a person moves through a place: by teleport to photographed spots, turns in steps, and smoothly if they ask.
 //
 // A pure state machine: no clock, no OpenXR. Nothing moves that nobody asked for: without input the tracking stays as
-// it is to the last bit. Without a head nothing moves at all. Anything not finite counts as not given.
+// it is to the last bit. Without a head nothing moves at all. What a step is given that is not finite counts
+// as not given.
 #pragma once
 
 #include <array>
@@ -27,6 +28,7 @@ struct WalkPlace {
 /// `bounds` as of any camera (roaming.h); smooth motion is level, so only its horizontal part counts.
 WalkPlace walkPlace(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre, RoamingBounds bounds);
 
+/// All finite.
 struct WalkSettings {
   double snapTurn = 0.5235987755982988;  // radians of one turn, 30°; 0: the stick does not turn
   bool smoothMotion = false;
@@ -41,7 +43,6 @@ struct HandInput {
   Pose aim;               // tracking space, points along −z
   bool select = false;    // held
   bool menu = false;      // held
-  double squeeze = 0;     // 0 to 1; nothing here asks for it
   glm::dvec2 stick{0.0};  // −1 to 1, x right, y ahead
   double turn = 0;        // −1 to 1, right: of controllers that turn by something else than a stick
   bool onPanel = false;   // its ray meets the menu panel, which then takes what is selected
@@ -62,8 +63,9 @@ enum class FadePhase : std::uint8_t { clear, out, in };
 
 /// What holds from step to step. Made by startWalk.
 struct WalkState {
+  static constexpr int kUnseen = 2;
   struct HandState {
-    enum class Select : std::uint8_t { unknown, free, aiming, panel, spent };
+    enum class Select : std::uint8_t { unknown, free, aiming, panel };
     Select select = Select::unknown;  // unknown: it was held before it was first seen
     bool menuFree = false;            // has been seen not held
     std::optional<std::size_t> pointed;
@@ -71,7 +73,8 @@ struct WalkState {
   Tracking tracking;
   double firstUnitsPerMetre = 1;
   std::array<HandState, 2> hands;
-  int turnedTo = 0;  // side of the stick that has turned, 0: it is back in the middle
+  std::size_t turningHand = kRight;
+  int turnedTo = kUnseen;  // side of its stick that has turned, 0: it has been seen in the middle
   FadePhase phase = FadePhase::in;
   double fade = 1;                         // 0 to 1
   double vignette = 0;                     // 0 to 1
@@ -111,8 +114,8 @@ WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::o
 ///   the panel is the panel's until it is let go; what is let go there, or by a hand or head that is not tracked, goes
 ///   nowhere. A press that was begun before this state was made is passed over.
 /// stick: x of the right hand, or of the left where it is alone, turns once for each time beyond 0.7; it counts again
-///   after it was within 0.35. With smoothMotion the left hand's moves along where the head faces, level, within the
-///   place's bounds.
+///   after it was within 0.35, as it must have been seen at first. With smoothMotion the left hand's moves along where
+///   the head faces, level, within the place's bounds.
 /// goTo, or another teleport, during a fade: the last one asked for is gone to, through black.
 /// scale: at once, the photographs' height kept above the real floor (tracking.h), within 1e-3 to 1e3 of the first.
 WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& settings, const WalkInput& input);
