@@ -232,20 +232,21 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
 std::optional<std::uint32_t> Swapchain::acquire(const Slot& slot) {
   std::uint32_t index = 0;
   const std::uint64_t longest = options_.pace == Pace::whenever ? 0 : kLongestWait;
-  const VkResult result =
-      std::exchange(loses_, false)
-          ? VK_ERROR_SURFACE_LOST_KHR
-          : vkAcquireNextImageKHR(device_.handle(), swapchain_, longest, slot.acquired.get(), VK_NULL_HANDLE, &index);
+  VkResult result = std::exchange(acquires_, VK_SUCCESS);
+  if (result == VK_SUCCESS)
+    result = vkAcquireNextImageKHR(device_.handle(), swapchain_, longest, slot.acquired.get(), VK_NULL_HANDLE, &index);
   return goesOn(result, "vkAcquireNextImageKHR") ? std::optional(index) : std::nullopt;
 }
 
 void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
   constexpr ImageUse kAcquired{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
+  // The semaphore that showing waits for comes after all commands: the image's last change must be among them.
+  constexpr ImageUse kShown{VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_NONE};
   const VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   const VkImageCopy region{layers, {0, 0, 0}, layers, {0, 0, 0}, {extent_.width, extent_.height, 1}};
   transition(commands, image, kAcquired, use::kTransferDestination);
   vkCmdCopyImage(commands, drawn_.get(), kAfter.layout, image, use::kTransferDestination.layout, 1, &region);
-  transition(commands, image, use::kTransferDestination, use::kPresent);
+  transition(commands, image, use::kTransferDestination, kShown);
 }
 
 void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) const {

@@ -86,8 +86,9 @@ class Swapchain {
   /// Raised whenever the image is another one: what was made for it is of no use, and the device is idle then.
   std::uint64_t generation() const noexcept { return generation_; }
 
-  /// As if the surface were lost when the frame is to be shown, for tests.
-  void loseSurface() noexcept { loses_ = true; }
+  /// As if the surface were lost, or had no image free, when the frame is to be shown; for tests.
+  void loseSurface() noexcept { acquires_ = VK_ERROR_SURFACE_LOST_KHR; }
+  void keepImages() noexcept { acquires_ = VK_NOT_READY; }
 
  private:
   struct Format {
@@ -126,7 +127,8 @@ class Swapchain {
   std::array<Slot, kFramesInFlight> slots_;
   std::uint32_t slot_ = 0;
   std::uint64_t generation_ = 0;
-  bool outdated_ = true, lost_ = false, loses_ = false;
+  VkResult acquires_ = VK_SUCCESS;  // what the next acquisition says, where it is not asked
+  bool outdated_ = true, lost_ = false;
   int losses_ = 0;  // of the surface, since something was shown
 };
 
