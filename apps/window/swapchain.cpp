@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "gpu/barrier.h"
+#include "gpu/submit.h"
 #include "ibr/error.h"
 
 namespace ibr::app {
@@ -83,7 +84,7 @@ Swapchain::Swapchain(const Device& device, const Window& window, const Swapchain
 }
 
 Swapchain::~Swapchain() {
-  vkDeviceWaitIdle(device_.handle());
+  waitIdle(device_);
   drop();
 }
 
@@ -127,7 +128,7 @@ VkPresentModeKHR Swapchain::chosenMode() const {
 }
 
 void Swapchain::makeSurface() {
-  vk(vkDeviceWaitIdle(device_.handle()), "vkDeviceWaitIdle");
+  vk(waitIdle(device_), "vkDeviceWaitIdle");
   drop();
   surface_.reset();  // first: a window has one
   surface_.emplace(device_.instance(), window_);
@@ -167,7 +168,7 @@ bool Swapchain::goesOn(VkResult result, const char* call) {
 }
 
 void Swapchain::makeImages() {
-  vk(vkDeviceWaitIdle(device_.handle()), "vkDeviceWaitIdle");
+  vk(waitIdle(device_), "vkDeviceWaitIdle");
   drop();
   VkSurfaceCapabilitiesKHR can{};
   if (!goesOn(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice(), surface_->get(), &can),
@@ -270,6 +271,7 @@ void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) con
                                  .pCommandBufferInfos = &commands,
                                  .signalSemaphoreInfoCount = index ? 1u : 0u,
                                  .pSignalSemaphoreInfos = &signal};
+  const auto held = holdQueue(device_.queueMutex());
   vk(vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 
@@ -289,6 +291,7 @@ bool Swapchain::end(const Frame& frame) {
                                  .swapchainCount = 1,
                                  .pSwapchains = &swapchain_,
                                  .pImageIndices = &*index};
+  const auto held = holdQueue(device_.queueMutex());
   if (!goesOn(vkQueuePresentKHR(device_.queue(), &present), "vkQueuePresentKHR")) return false;
   losses_ = 0;
   return true;

@@ -3,7 +3,10 @@
 #include "window/swapchain.h"
 
 #include <array>
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -123,6 +126,39 @@ TEST_CASE("a window that waits for nothing gives no frame while the device is bu
   REQUIRE(frame);
   CHECK(frame->slot == 0);
   swapchain.abandon(*frame);
+}
+
+TEST_CASE("a window leaves the queue to whoever holds its mutex") {
+  if (!displayIsThere()) return;
+  Shown shown(Pace::refresh);
+  std::mutex mutex;
+  const Device device = Device::adopt({.instance = shown.device.instance(),
+                                       .physicalDevice = shown.device.physicalDevice(),
+                                       .device = shown.device.handle(),
+                                       .queue = shown.device.queue(),
+                                       .queueFamily = shown.device.queueFamily(),
+                                       .queueMutex = &mutex});
+  Window window("another window ibr", 100, 100);
+  Swapchain swapchain(device, window);
+  const auto waits = [&](const std::function<void()>& act) {
+    std::atomic<bool> done = false;
+    std::unique_lock lock(mutex);
+    std::jthread other([&] {
+      act();
+      done = true;
+    });
+    sleepFor(0.1);
+    const bool waited = !done;
+    lock.unlock();
+    other.join();
+    CHECK(done);
+    return waited;
+  };
+  std::optional<Swapchain::Frame> frame;
+  CHECK(waits([&] { frame = swapchain.begin(); }));  // makes images
+  REQUIRE(frame);
+  recordColour(*frame, {0, 1, 0});
+  CHECK(waits([&] { swapchain.end(*frame); }));
 }
 
 TEST_CASE("a window shows the last frame that it took, at every pace") {

@@ -7,14 +7,14 @@
 
 namespace ibr {
 
-namespace {
-
-// Held while it lives, where there is one.
-std::unique_lock<std::mutex> held(std::mutex* mutex) {
-  return mutex ? std::unique_lock(*mutex) : std::unique_lock<std::mutex>();
+std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex) {
+  return queueMutex ? std::unique_lock(*queueMutex) : std::unique_lock<std::mutex>();
 }
 
-}  // namespace
+VkResult waitIdle(const Device& device) {
+  const auto held = holdQueue(device.queueMutex());
+  return vkDeviceWaitIdle(device.handle());
+}
 
 Submission::Submission(const Device& device)
     : device_(device.handle()), queue_(device.queue()), queueMutex_(device.queueMutex()) {
@@ -47,13 +47,13 @@ void Submission::run(const std::function<void(VkCommandBuffer)>& record) {
   const VkSubmitInfo2 info{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commandsInfo};
   {
-    const auto lock = held(queueMutex_);
+    const auto held = holdQueue(queueMutex_);
     vk(vkQueueSubmit2(queue_, 1, &info, fence), "vkQueueSubmit2");
   }
   const VkResult result = vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX);
   // The callers' objects may go as soon as this throws, so the device must be done with them by then.
   if (result != VK_SUCCESS) {
-    const auto lock = held(queueMutex_);
+    const auto held = holdQueue(queueMutex_);
     vkQueueWaitIdle(queue_);
   }
   vk(result, "vkWaitForFences");

@@ -12,6 +12,13 @@
 
 namespace ibr {
 
+/// Around every use of a device's queue: holds its Device::queueMutex() while what it returns lives, where there is
+/// one.
+[[nodiscard]] std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex);
+
+/// vkDeviceWaitIdle, which uses the queue.
+VkResult waitIdle(const Device& device);
+
 /// A command buffer that is used again and again. The device must outlive it.
 class Submission {
  public:
