@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+// The governor on simulated devices: what a frame costs at each level is a model's, noise is a fixed generator's.
+#include "vr/governor.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <random>
+
+using namespace ibr;
+using namespace ibr::app;
+
+namespace {
+
+constexpr double kPeriod90 = 1000.0 / 90;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A device whose frames take `load` (ms at level 0, by frame) times what the level leaves of it.
+struct Simulated {
+  std::vector<double> share;  // of each level
+  std::function<double(int)> load;
+  double noise = 0;  // of a frame's time, up to this share either way
+  double periodMs = kPeriod90;
+  int inFlight = 2;  // frames from a decision to the frame that shows it
+};
+
+struct Run {
+  int changes = 0, missed = 0, lastChange = 0;
+  std::vector<std::size_t> levels;  // decided, by frame
+  std::vector<std::string> lines;
+};
+
+Run run(GovernorState& state, const Simulated& device, int frames) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::deque<std::size_t> coming(std::size_t(device.inFlight), state.level);
+  Run run;
+  for (int frame = 0; frame < frames; ++frame) {
+    coming.push_back(state.level);
+    const double ms = device.load(frame) * device.share.at(coming.front()) * (1 + device.noise * any(random));
+    coming.pop_front();
+    const bool missed = ms > device.periodMs;
+    const std::size_t before = state.level;
+    const Decision decision = govern(state, {ms, device.periodMs, missed});
+    REQUIRE(decision.level == state.level);
+    REQUIRE(state.level < state.levels.size());
+    run.missed += missed;
+    if (decision.level != before) {
+      ++run.changes;
+      run.lastChange = frame;
+      REQUIRE(!decision.reason.empty());
+    }
+    run.levels.push_back(decision.level);
+    if (!decision.reason.empty()) run.lines.push_back(decision.reason);
+  }
+  return run;
+}
+
+std::vector<double> geometric(std::size_t count, double ratio) {
+  std::vector<double> share(count);
+  for (std::size_t i = 0; i < count; ++i) share[i] = std::pow(ratio, double(i));
+  return share;
+}
+
+GovernorState fresh() {
+  return startGovernor(ladder({}));
+}
+
+Simulated steady(double load, double ratio = 0.85, double noise = 0.03) {
+  return {geometric(fresh().levels.size(), ratio), [load](int) { return load; }, noise};
+}
+
+}  // namespace
+
+TEST_CASE("governor: with enough time nothing changes, at any share below the limit") {
+  for (const double share : {0.01, 0.3, 0.59, 0.61, 0.8}) {
+    GovernorState state = fresh();
+    CHECK(run(state, steady(share * kPeriod90), 3000).changes == 0);
+  }
+}
+
+TEST_CASE("governor: settles under any load that some level holds, and stays") {
+  for (const double ratio : {0.6, 0.75, 0.85, 0.95})
+    for (double load = 0.3; load < 3; load *= 1.07) {
+      GovernorState state = fresh();
+      const Simulated device = steady(load * kPeriod90, ratio);
+      const Run settled = run(state, device, 10000);
+      const double cost = load * device.share[state.level];
+      CAPTURE(ratio, load, state.level, settled.changes, settled.missed);
+      if (load * device.share.back() < 0.8) CHECK(cost <= 0.88);
+      // What would fit with room to spare is not left out.
+      if (state.level > 0) CHECK(load * device.share[state.level - 1] > 0.6);
+      CHECK(settled.changes <= 22);
+      if (load * device.share.back() < 0.8) CHECK(settled.missed <= 60);
+    }
+}
+
+TEST_CASE("governor: steps down before a frame is missed while a load grows") {
+  for (const double noise : {0.0, 0.05})
+    for (const double periodMs : {1000.0 / 72, kPeriod90, 1000.0 / 120}) {
+      GovernorState state = fresh();
+      Simulated device = steady(0, 0.85, noise);
+      device.periodMs = periodMs;
+      device.load = [&](int frame) { return periodMs * (0.4 + 1.2 * frame / 4000.0); };
+      const Run ramp = run(state, device, 4000);
+      CHECK(ramp.missed == 0);
+      CHECK(state.level >= 3);
+      CHECK(std::ranges::is_sorted(ramp.levels));
+    }
+}
+
+TEST_CASE("governor: after a leap of the load few frames are missed, and all is back when it has gone") {
+  for (const double leap : {1.1, 1.5, 2.0, 2.6}) {
+    GovernorState state = fresh();
+    Simulated device = steady(0);
+    device.load = [&](int frame) { return kPeriod90 * (frame >= 500 && frame < 1500 ? leap * 0.95 : 0.5); };
+    const Run leaped = run(state, device, 1500);
+    CAPTURE(leap, leaped.missed, state.level);
+    CHECK(leaped.levels[499] == 0);
+    CHECK(leaped.missed <= 25);
+    CHECK(leaped.missed >= 1);
+    CHECK(leaped.lastChange < 560);
+    // One level in about 1.5 s.
+    device.load = [](int) { return 0.5 * kPeriod90; };
+    const std::size_t deepest = state.level;
+    const Run back = run(state, device, int(double(deepest + 1) * 1.7 * 90));
+    CHECK(state.level == 0);
+    CHECK(back.missed == 0);
+    CHECK(back.changes == int(deepest));
+  }
+}
+
+TEST_CASE("governor: a load between two levels does not make it go to and fro") {
+  const std::size_t count = fresh().levels.size();
+  for (std::size_t fits = 1; fits < count; ++fits)
+    for (const double noise : {0.0, 0.02, 0.1})
+      for (const double over : {0.86, 0.95, 1.1, 1.6}) {
+        GovernorState state = fresh();
+        Simulated device{std::vector<double>(count, 0.55), [](int) { return kPeriod90; }, noise};
+        for (std::size_t i = 0; i < fits; ++i) device.share[i] = over;
+        const Run between = run(state, device, 10000);
+        CAPTURE(fits, noise, over, between.changes, between.missed);
+        CHECK(between.changes <= 24);
+        CHECK(between.missed <= 80);
+        // In the last third it hardly tries.
+        const auto late = std::vector<std::size_t>(between.levels.end() - 3000, between.levels.end());
+        CHECK(std::ranges::count(late, fits) > 2700);
+      }
+}
+
+TEST_CASE("governor: what was taken back is tried again at once when the load has become smaller") {
+  GovernorState state = fresh();
+  Simulated device = steady(0, 0.85, 0);
+  device.share.assign(device.share.size(), 0.55);
+  device.share[0] = 1.1;
+  device.load = [](int) { return kPeriod90; };
+  run(state, device, 9000);
+  CHECK(state.level == 1);
+  CHECK(state.taken[0] >= 3);
+  device.load = [](int) { return 0.6 * kPeriod90; };
+  run(state, device, 150);
+  CHECK(state.level == 0);
+}
+
+TEST_CASE("governor: a frame that is late by itself changes nothing; two of them do") {
+  for (const double hitch : {15.0, 100.0, 2000.0}) {
+    GovernorState state = fresh();
+    Simulated device = steady(0, 0.85, 0.02);
+    device.load = [&](int frame) { return frame % 40 == 7 ? hitch : 0.55 * kPeriod90; };
+    CHECK(run(state, device, 4000).changes == 0);
+  }
+  // Nor does it keep from going up again.
+  GovernorState state = fresh();
+  state.level = 2;
+  Simulated device = steady(0, 0.85, 0);
+  device.load = [](int frame) { return frame % 40 == 7 ? 100 : 0.4 * kPeriod90; };
+  run(state, device, 400);
+  CHECK(state.level == 0);
+
+  GovernorState twice = fresh();
+  device.load = [](int frame) { return frame == 50 || frame == 53 ? 100 : 0.4 * kPeriod90; };
+  const Run two = run(twice, device, 100);
+  CHECK(two.levels[52] == 0);
+  CHECK(two.levels[53] == 2);  // far over
+  CHECK(two.changes == 1);
+}
+
+TEST_CASE("governor: a miss with little room before it is answered at once; near the limit it needs no miss") {
+  GovernorState state = fresh();
+  for (int i = 0; i < 20; ++i) CHECK(govern(state, {0.7 * kPeriod90, kPeriod90, false}).reason.empty());
+  CHECK(govern(state, {1.05 * kPeriod90, kPeriod90, true}).level == 1);
+
+  GovernorState near = fresh();
+  int frames = 0;
+  while (near.level == 0 && frames < 100) {
+    govern(near, {0.9 * kPeriod90, kPeriod90, false});
+    ++frames;
+  }
+  CHECK(frames == 3);
+  // Frames that were begun before are not looked at.
+  for (int i = 0; i < 3; ++i) CHECK(govern(near, {3 * kPeriod90, kPeriod90, true}).level == 1);
+  CHECK(govern(near, {0.5 * kPeriod90, kPeriod90, false}).level == 1);
+}
+
+TEST_CASE("governor: decisions are lines for a log") {
+  GovernorState state = fresh();
+  for (int i = 0; i < 809; ++i) govern(state, {6, 11.111, false});
+  std::string line;
+  for (int i = 0; i < 10 && line.empty(); ++i) line = govern(state, {10.4, 11.111, false}).reason;
+  CHECK(line == "frame 811: 10.4 ms of 11.1 ms: cells 12 → 8, backdrops 12 → 8");
+  for (int i = 0; i < 200 && line[0] == 'f' && state.level == 1; ++i)
+    line = govern(state, {3, 11.111, false}).reason + "f";
+  CHECK(line == "frame 950: 3.0 ms of 11.1 ms: cells 8 → 12, backdrops 8 → 12f");
+}
+
+TEST_CASE("governor: too slow at the cheapest level is said once") {
+  GovernorState state = fresh();
+  const Run slow = run(state, steady(100 * kPeriod90, 0.9), 3000);
+  CHECK(state.level + 1 == state.levels.size());
+  REQUIRE(slow.lines.size() == std::size_t(slow.changes) + 1);
+  CHECK(slow.lines.back().find("nothing is left to leave out") != std::string::npos);
+  // A moment of room is not 1.5 s of it.
+  Simulated device = steady(0, 1, 0);
+  device.load = [](int frame) { return frame % 100 < 60 ? 0.3 * kPeriod90 : 2 * kPeriod90; };
+  CHECK(run(state, device, 3000).changes == 0);
+}
+
+TEST_CASE("governor: costs that are none change nothing") {
+  for (const double none : {0.0, -1.0, kNaN, kInfinity, -kInfinity}) {
+    GovernorState state = fresh();
+    for (int i = 0; i < 500; ++i) CHECK(govern(state, {none, kPeriod90, false}).reason.empty());
+    CHECK(state.frame == 500);
+  }
+}
+
+TEST_CASE("governor: without a period nothing is decided, with the last one it is") {
+  GovernorState state = fresh();
+  for (int i = 0; i < 100; ++i) CHECK(govern(state, {50, kNaN, true}).level == 0);
+  govern(state, {5, kPeriod90, false});
+  for (int i = 0; i < 10; ++i) govern(state, {50, 0, true});
+  CHECK(state.level > 0);
+}
+
+TEST_CASE("governor: misses count where the work is not known, and not where the work was little") {
+  GovernorState unknown = fresh();
+  for (int i = 0; i < 10; ++i) govern(unknown, {kNaN, kPeriod90, true});
+  CHECK(unknown.level > 0);
+  GovernorState others = fresh();
+  for (int i = 0; i < 1000; ++i) CHECK(govern(others, {0.3 * kPeriod90, kPeriod90, true}).level == 0);
+  GovernorState ours = fresh();
+  for (int i = 0; i < 10; ++i) govern(ours, {0.7 * kPeriod90, kPeriod90, true});
+  CHECK(ours.level > 0);
+}
+
+TEST_CASE("governor: another rate of the display is another limit, at once") {
+  GovernorState state = fresh();
+  for (int i = 0; i < 500; ++i) CHECK(govern(state, {8.5, 1000.0 / 90, false}).level == 0);
+  for (int i = 0; i < 20; ++i) govern(state, {i < 4 ? 8.5 : 6, 1000.0 / 120, false});
+  CHECK(state.level > 0);
+  for (int i = 0; i < 500; ++i) govern(state, {6, 1000.0 / 72, false});
+  CHECK(state.level == 0);
+}
+
+TEST_CASE("governor: other settings keep the level as far as there is one") {
+  GovernorState state = fresh();
+  run(state, steady(100 * kPeriod90), 300);
+  const std::size_t last = state.levels.size() - 1;
+  REQUIRE(state.level == last);
+  RenderSettings few;
+  few.maxCells = few.maxBackdrops = 2;
+  const auto shorter = ladder(few);
+  REQUIRE(shorter.size() <= last);
+  changeLadder(state, shorter);
+  CHECK(state.level == shorter.size() - 1);
+  CHECK(state.frame == 300);
+  run(state, steady(0.1 * kPeriod90), 3000);
+  CHECK(state.level == 0);
+  CHECK((state.levels[0] == few));
+  // A ladder of one level has nowhere to go.
+  GovernorState one = startGovernor({RenderSettings{}});
+  run(one, {{1.0}, [](int) { return 50.0; }}, 500);
+  CHECK(one.level == 0);
+}
+
+TEST_CASE("governor: the same frames give the same decisions") {
+  GovernorState a = fresh(), b = fresh();
+  const Simulated device = steady(1.3 * kPeriod90, 0.85, 0.2);
+  CHECK((run(a, device, 5000).levels == run(b, device, 5000).levels));
+}

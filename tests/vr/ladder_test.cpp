@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "vr/governor.h"
+
+using namespace ibr;
+using namespace ibr::app;
+
+namespace {
+
+int dearness(BlendMode mode) {
+  return mode == BlendMode::dither ? 0 : 1;
+}
+
+// What may be changed, put back as it was asked for.
+RenderSettings elsewhere(RenderSettings level, const RenderSettings& asked) {
+  level.maxCells = asked.maxCells;
+  level.maxBackdrops = asked.maxBackdrops;
+  level.renderScale = asked.renderScale;
+  level.blend = asked.blend;
+  level.colourMapping = asked.colourMapping;
+  return level;
+}
+
+void checkFalls(const std::vector<RenderSettings>& levels) {
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    const RenderSettings &before = levels[i - 1], &after = levels[i];
+    REQUIRE(after.maxCells <= before.maxCells);
+    REQUIRE(after.maxBackdrops <= before.maxBackdrops);
+    REQUIRE(after.renderScale <= before.renderScale);
+    REQUIRE(dearness(after.blend) <= dearness(before.blend));
+    REQUIRE((after.colourMapping == before.colourMapping || after.colourMapping == ColourMapping::off));
+    REQUIRE(!(after == before));
+    REQUIRE((elsewhere(after, levels.front()) == levels.front()));
+    REQUIRE(!levelChange(before, after).empty());
+  }
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> counts(const std::vector<RenderSettings>& levels) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
+  for (const RenderSettings& level : levels)
+    if (const std::pair count{level.maxCells, level.maxBackdrops}; all.empty() || all.back() != count)
+      all.push_back(count);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing and dearer by none") {
+  std::mt19937 random(1);
+  const auto upTo = [&](unsigned most) { return std::uint32_t(random() % (most + 1)); };
+  for (int i = 0; i < 500; ++i) {
+    RenderSettings asked;
+    asked.maxCells = upTo(kLargestCellCount);
+    asked.maxBackdrops = upTo(kLargestBackdropCount);
+    asked.renderScale = 0.3 + 0.1 * upTo(12);
+    asked.blend = BlendMode(upTo(2));
+    asked.colourMapping = ColourMapping(upTo(3));
+    asked.textureScale = 0.5;
+    asked.mutedCells = {3};
+    asked.lowestTier = int(upTo(3));
+    const auto levels = ladder(asked, upTo(20), upTo(20));
+    REQUIRE((levels.front() == asked));
+    REQUIRE(levels.size() <= 12);
+    checkFalls(levels);
+    REQUIRE(levels.back().renderScale == 0.5 * asked.renderScale);
+    REQUIRE(levels.back().blend == BlendMode::dither);
+    REQUIRE(levels.back().colourMapping == ColourMapping::off);
+  }
+}
+
+TEST_CASE("ladder: of the defaults, by name") {
+  RenderSettings asked;
+  asked.colourMapping = ColourMapping::ours;
+  std::vector<std::string> changes;
+  const auto levels = ladder(asked);
+  for (std::size_t i = 1; i < levels.size(); ++i) changes.push_back(levelChange(levels[i - 1], levels[i]));
+  CHECK(changes == std::vector<std::string>{
+                       "cells 12 → 8, backdrops 12 → 8", "cells 8 → 6, backdrops 8 → 6", "cells 6 → 4, backdrops 6 → 4",
+                       "resolution 1 → 0.85", "resolution 0.85 → 0.7", "blending blend → dither",
+                       "cells 4 → 2, backdrops 4 → 2", "resolution 0.7 → 0.5", "colour mapping ours → off"});
+  CHECK(levelChange(asked, asked).empty());
+}
+
+TEST_CASE("ladder: nothing that the scene or the settings do not show is left out") {
+  RenderSettings asked;
+  asked.maxBackdrops = 64;
+  using Counts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  CHECK(counts(ladder(asked, 5, 0)) == Counts{{12, 64}, {4, 64}, {2, 64}});
+  CHECK(counts(ladder(asked, 0, 0)) == Counts{{12, 64}});
+  CHECK(counts(ladder(asked, 2, 14)) == Counts{{12, 64}, {12, 12}, {12, 8}, {12, 6}, {12, 4}, {12, 2}});
+  asked.lowestTier = kTierRejected;
+  CHECK(counts(ladder(asked)) == Counts{{12, 64}, {8, 64}, {6, 64}, {4, 64}, {2, 64}});
+  asked.lowestTier = kTierBackdrop;
+  asked.soloCells = {1};
+  CHECK(counts(ladder(asked)) == Counts{{12, 64}, {8, 64}, {6, 64}, {4, 64}, {2, 64}});
+}
+
+TEST_CASE("ladder: softer comes before grainy, grainy before holes") {
+  const auto levels = ladder({});
+  for (const RenderSettings& level : levels) {
+    if (level.blend == BlendMode::dither) CHECK(level.renderScale <= 0.7);
+    if (level.maxCells < 4) CHECK(level.blend == BlendMode::dither);
+  }
+}

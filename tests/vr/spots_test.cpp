@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vr/spots.h"
+
+#include <catch2/catch.hpp>
+#include <glm/gtc/constants.hpp>
+#include <limits>
+
+#include "any_tracking.h"
+
+using namespace ibr;
+using namespace ibr::app;
+using ibr::test::angleBetween;
+using ibr::test::AnyTracking;
+
+namespace {
+
+const glm::dvec3 kUp(0, 1, 0);
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+glm::dquat looking(double heading, double pitch = 0) {
+  return glm::angleAxis(heading, kUp) * glm::angleAxis(pitch, glm::dvec3(1, 0, 0));
+}
+
+Spot spotAt(glm::dvec3 position) {
+  return {position, {0, 0, -1}, {0}};
+}
+
+Ray towards(glm::dvec3 from, glm::dvec3 to) {
+  return {from, to - from};
+}
+
+}  // namespace
+
+TEST_CASE("spots: one for each place, with the middle of its photographs and the mean of where they look") {
+  std::vector<Pose> cameras{{{0, 0, 0}, looking(0.2)},
+                            {{3, 0, 0}, looking(1, -0.6)},
+                            {{0, 0, 0}, looking(-0.4, 0.5)},
+                            {{6, 0, 0}, looking(0)}};
+  const std::vector<Spot> spots = spotsOf(cameras, kUp);
+  REQUIRE(spots.size() == 3);
+  CHECK(spots[0].nodes == std::vector<std::uint32_t>{0, 2});
+  CHECK(spots[0].position == glm::dvec3(0));
+  CHECK(angleBetween(spots[0].facing, looking(-0.1) * glm::dvec3(0, 0, -1)) < 1e-12);
+  CHECK(angleBetween(spots[1].facing, looking(1) * glm::dvec3(0, 0, -1)) < 1e-12);
+  CHECK(spots[2].nodes == std::vector<std::uint32_t>{3});
+  CHECK(spotsOf({}, kUp).empty());
+}
+
+TEST_CASE("spots: photographs all around face as the first does; facing is level with any up") {
+  std::vector<Pose> cameras;
+  for (int i = 0; i < 8; ++i) cameras.push_back({{1e7, -1e7, 3}, looking(0.7 + i * glm::quarter_pi<double>(), 0.3)});
+  cameras.push_back({{1e7 + 5, -1e7, 3}, looking(0)});
+  const std::vector<Spot> spots = spotsOf(cameras, kUp);
+  REQUIRE(spots.size() == 2);
+  CHECK(spots[0].nodes.size() == 8);
+  CHECK((spots[0].position == cameras[0].position));  // to the last bit
+  CHECK(angleBetween(spots[0].facing, looking(0.7) * glm::dvec3(0, 0, -1)) < 1e-9);
+
+  AnyTracking any(11);
+  for (int i = 0; i < 100; ++i) {
+    const glm::dvec3 up = any.unit();
+    const glm::dquat tilt = levelTracking(up).rotation;
+    const Spot spot = spotsOf({{any.unit(), tilt * any.head().rotation}}, up).front();
+    REQUIRE(glm::length(spot.facing) == Approx(1).margin(1e-12));
+    REQUIRE(std::abs(glm::dot(spot.facing, up)) < 1e-9);
+  }
+}
+
+TEST_CASE("standing at a spot: the head above its ground, photographs as high above the floor as they were") {
+  AnyTracking any(12);
+  for (const double far : {0.0, 1e7})
+    for (int i = 0; i < 300; ++i) {
+      const Tracking now = any.tracking(far, 3);
+      const Pose head = any.head();
+      Spot spot = spotAt(far * any.unit() + any.unit());
+      spot.facing = facingOf(any.tracking(0, 0).rotation, upInWorld(now));
+      const double height = any.between(0.5, 3), rounding = 1e-14 * (4 * far + 100 * now.unitsPerMetre + 10);
+      const Tracking stood = standAt(now, head, spot, height);
+      const glm::dvec3 inRoom = inTracking(stood, spot.position);
+      const double metres = rounding / now.unitsPerMetre;
+      REQUIRE(std::abs(inRoom.x - head.position.x) <= metres);
+      REQUIRE(std::abs(inRoom.z - head.position.z) <= metres);
+      REQUIRE(std::abs(inRoom.y - height) <= metres);
+      REQUIRE(stood.rotation == now.rotation);
+      REQUIRE(stood.unitsPerMetre == now.unitsPerMetre);
+      // A person's own height is kept true.
+      const glm::dvec3 eyes = inWorld(stood, head.position), up = upInWorld(stood);
+      REQUIRE(glm::dot(eyes - spot.position, up) ==
+              Approx((head.position.y - height) * now.unitsPerMetre).margin(rounding));
+
+      const Tracking faced = standAt(now, head, spot, height, spot.facing);
+      REQUIRE(angleBetween(facingOf(inWorld(faced, head).rotation, up), spot.facing) < 1e-6);
+      REQUIRE(glm::distance(inTracking(faced, spot.position), glm::dvec3(head.position.x, height, head.position.z)) <=
+              metres);
+
+      // Scaled there is what standing there at the new scale is.
+      const double scale = now.unitsPerMetre * any.between(0.01, 100);
+      Tracking larger = now;
+      larger.unitsPerMetre = scale;
+      const Tracking a = scaled(stood, head, height, scale), b = standAt(larger, head, spot, height);
+      REQUIRE(glm::distance(a.origin, b.origin) <= rounding * (1 + scale / now.unitsPerMetre));
+    }
+}
+
+TEST_CASE("pointing: at the photographs' place or at the mark on the ground, within the cone") {
+  const std::vector<Spot> spots{spotAt({0, 1.6, -4}), spotAt({4, 1.6, 0}), spotAt({-4, 1.6, 0})};
+  const glm::dvec3 hand(0, 1.2, 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(pointedSpot(spots, towards(hand, spots[i].position), kUp, 1.6) == i);
+    CHECK(pointedSpot(spots, towards(hand, groundOf(spots[i], kUp, 1.6)), kUp, 1.6) == i);
+  }
+  CHECK(groundOf(spots[0], kUp, 1.6) == glm::dvec3(0, 0, -4));
+  CHECK(!pointedSpot(spots, {hand, {0, 0.1, 1}}, kUp, 1.6));
+  CHECK(!pointedSpot(spots, {hand, {1, 0.1, -1}}, kUp, 1.6));
+  CHECK(!pointedSpot({}, {hand, {0, 0, -1}}, kUp, 1.6));
+  // The cone's edge, to both sides.
+  const auto off = [&](double degrees) {
+    return Ray{{0, 1.6, 0}, glm::angleAxis(glm::radians(degrees), kUp) * glm::dvec3(0, 0, -1)};
+  };
+  CHECK(pointedSpot(spots, off(5.9), kUp, 1.6) == 0u);
+  CHECK(!pointedSpot(spots, off(6.2), kUp, 1.6));
+}
+
+TEST_CASE("pointing: the nearest of those in line, and the same until another is plainly meant") {
+  const std::vector<Spot> line{spotAt({0, 1.6, -12}), spotAt({0, 1.6, -3}), spotAt({0, 1.6, -6})};
+  CHECK(pointedSpot(line, {{0, 1.6, 0}, {0, 0, -1}}, kUp, 1.6) == 1u);
+  CHECK(pointedSpot(line, towards({0, 1.5, 0}, {0, 0, -12}), kUp, 1.6) == 0u);
+
+  const std::vector<Spot> pair{spotAt({-0.2, 1.6, -4}), spotAt({0.2, 1.6, -4})};
+  const auto at = [](double degrees) {
+    return Ray{{0, 1.6, 0}, glm::angleAxis(glm::radians(degrees), kUp) * glm::dvec3(0, 0, -1)};
+  };
+  CHECK(pointedSpot(pair, at(2), kUp, 1.6) == 0u);
+  CHECK(pointedSpot(pair, at(-2), kUp, 1.6) == 1u);
+  CHECK(pointedSpot(pair, at(-0.4), kUp, 1.6, 0) == 0u);
+  CHECK(pointedSpot(pair, at(-0.7), kUp, 1.6, 0) == 1u);
+  CHECK(pointedSpot(pair, at(0.4), kUp, 1.6, 1) == 1u);
+  // A trembling hand on the middle changes nothing.
+  AnyTracking any(13);
+  std::optional<std::size_t> held = pointedSpot(pair, at(2), kUp, 1.6);
+  for (int i = 0; i < 200; ++i) REQUIRE((held = pointedSpot(pair, at(any.between(-0.4, 0.4)), kUp, 1.6, held)) == 0u);
+  // What is held is held a little beyond the cone, and no further; what does not exist is not held.
+  CHECK(pointedSpot(pair, at(2.86 + 6.8), kUp, 1.6, 0) == 0u);
+  CHECK(!pointedSpot(pair, at(2.86 + 6.8), kUp, 1.6));
+  CHECK(!pointedSpot(pair, at(2.86 + 7.3), kUp, 1.6, 0));
+  CHECK(pointedSpot(pair, at(2), kUp, 1.6, 7) == 0u);
+}
+
+TEST_CASE("pointing: the same at any origin, scale and up; nothing behind, too near or not finite") {
+  AnyTracking any(14);
+  int pointed = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<Spot> spots, moved;
+    const Tracking to = any.tracking(1e7, 1);
+    for (int k = 0; k < 30; ++k) spots.push_back(spotAt(4.0 * any.unit()));
+    for (const Spot& spot : spots) moved.push_back(spotAt(inWorld(to, spot.position)));
+    const Ray ray{any.unit(), any.unit()};
+    const auto here = pointedSpot(spots, ray, kUp, 1.6);
+    REQUIRE(here == pointedSpot(moved, {inWorld(to, ray.origin), to.rotation * (100.0 * ray.direction)}, upInWorld(to),
+                                1.6 * to.unitsPerMetre));
+    pointed += here.has_value();
+  }
+  CHECK(pointed > 20);
+  CHECK(pointed < 280);
+  const std::vector<Spot> one{spotAt({0, 0, -1})};
+  CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, 1}}, kUp, 0));
+  CHECK(pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 0u);
+  PointingSettings far;
+  far.leastDistance = 2;
+  CHECK(!pointedSpot(one, {{0, 0, 0}, {0, 0, -1}}, kUp, 0, std::nullopt, far));
+  for (const Ray& ray : {Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{kNaN, 0, 0}, {0, 0, -1}}, Ray{{0, 0, 0}, {0, kNaN, -1}}})
+    CHECK(!pointedSpot(one, ray, kUp, 0));
+  CHECK(!pointedSpot(one, {{0, 0, -1}, {0, 0, -1}}, kUp, 0));  // at its very place
+  const std::vector<Spot> broken{spotAt({kNaN, 0, 0}), spotAt({0, 0, -1})};
+  CHECK(pointedSpot(broken, {{0, 0, 0}, {0, 0, -1}}, kUp, 0) == 1u);
+}
+
+TEST_CASE("a hand points along its −z") {
+  const Ray ray = rayOf({{1, 2, 3}, looking(glm::half_pi<double>())});
+  CHECK(ray.origin == glm::dvec3(1, 2, 3));
+  CHECK(glm::distance(ray.direction, glm::dvec3(-1, 0, 0)) < 1e-12);
+}
+
+TEST_CASE("the nearest spot is told by the ground alone") {
+  const std::vector<Spot> spots{spotAt({0, 50, 0}), spotAt({3, 0, 0})};
+  CHECK(nearestSpot(spots, {1, 0, 0}, kUp) == 0u);
+  CHECK(nearestSpot(spots, {2, 0, 0}, kUp) == 1u);
+  CHECK(nearestSpot(spots, {1, 0, 0}, {1, 0, 0}) == 1u);
+  CHECK(!nearestSpot({}, {0, 0, 0}, kUp));
+}
+
+TEST_CASE("the map: all spots within it, one scale, x to the right and what is ahead upwards") {
+  std::vector<Spot> spots{spotAt({-10, 0, 5}), spotAt({30, 7, 5}), spotAt({0, 1, -5})};
+  const SpotMap map = mapOf(spots, kUp);
+  REQUIRE(map.places.size() == 3);
+  CHECK(map.places[0].x < map.places[2].x);
+  CHECK(map.places[2].y < map.places[0].y);
+  const double side = 40 / (1 - 0.16);
+  CHECK(glm::distance(map.places[0], glm::dvec2(0.08, 0.5 + 5 / side)) < 1e-12);
+  CHECK(glm::distance(map.places[1], glm::dvec2(0.92, 0.5 + 5 / side)) < 1e-12);
+  CHECK(glm::distance(onMap(map, {0, 99, -5}), map.places[2]) < 1e-12);  // from above
+  CHECK(onMap(map, {1e9, 0, -1e9}) == glm::dvec2(1, 0));
+  CHECK(glm::distance(directionOnMap(map, {0, 3, -2}), glm::dvec2(0, -1)) < 1e-12);
+  CHECK(directionOnMap(map, {0, 3, 0}) == glm::dvec2(0));
+  CHECK(directionOnMap(map, {0, 0, 0}) == glm::dvec2(0));
+}
+
+TEST_CASE("the map: at any origin, scale and up; of one spot, and of none") {
+  AnyTracking any(15);
+  for (const double scale : {1e-9, 1.0, 1e9})
+    for (int i = 0; i < 30; ++i) {
+      const glm::dvec3 up = i == 0 ? glm::dvec3(1, 0, 0) : any.unit(), far = 1e6 * scale * any.unit();
+      std::vector<Spot> spots;
+      for (int k = 0; k < 20; ++k) spots.push_back(spotAt(far + scale * any.unit()));
+      const SpotMap map = mapOf(spots, up);
+      REQUIRE(std::abs(glm::dot(map.right, up)) < 1e-12);
+      REQUIRE(glm::distance(glm::cross(map.right, map.down), -up) < 1e-12);
+      double least = 1, most = 0;
+      for (const glm::dvec2& place : map.places) {
+        least = std::min({least, place.x, place.y});
+        most = std::max({most, place.x, place.y});
+      }
+      REQUIRE(least >= 0.08 - 1e-6);
+      REQUIRE(most <= 0.92 + 1e-6);
+      REQUIRE(most - least > 0.5);
+      // Distances on the map are those seen from above, and heights are none.
+      const glm::dvec3 between = spots[0].position - spots[1].position, flat = between - glm::dot(between, up) * up;
+      REQUIRE(glm::distance(map.places[0], map.places[1]) == Approx(glm::length(flat) / map.side).epsilon(1e-6));
+    }
+  const SpotMap one = mapOf({spotAt({5, 6, 7})}, kUp);
+  CHECK(one.places.front() == glm::dvec2(0.5));
+  CHECK(one.side > 0);
+  const SpotMap none = mapOf({}, kUp);
+  CHECK(none.places.empty());
+  CHECK(std::isfinite(onMap(none, {1, 2, 3}).x));
+}
