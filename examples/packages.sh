@@ -2,11 +2,11 @@
 # shellcheck shell=sh disable=SC2034 # the lists are for who sources this
 # What libibr needs of Debian 12, and how it gets there. Sourced by examples/demo.sh and tests/run.sh.
 
-# To build the library and the program ibr, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
+# To build the library and its programs, and to run them on any machine: mesa-vulkan-drivers has a Vulkan device that
 # needs no graphics card.
 IBR_PACKAGES_BUILD="g++ cmake ninja-build ccache libglm-dev libfmt-dev nlohmann-json3-dev libvulkan-dev glslang-tools
   libjpeg-dev libpng-dev libtiff-dev libopenexr-dev libopencv-dev libcgal-dev libcli11-dev libglfw3-dev libimgui-dev
-  mesa-vulkan-drivers"
+  libopenxr-dev mesa-vulkan-drivers"
 # The demo's contact sheets and videos, and the program that estimates poses of your own photographs.
 IBR_PACKAGES_DEMO="ffmpeg colmap"
 # To build and run the tests. nodejs runs the Khronos glTF validator where tests/run.sh finds it (npm package
@@ -15,6 +15,21 @@ IBR_PACKAGES_DEMO="ffmpeg colmap"
 IBR_PACKAGES_TEST="catch2 vulkan-validationlayers locales python3-jsonschema nodejs xvfb xdotool
   openbox libx11-dev"
 
+# To build the OpenXR runtime that programs for headsets are tested on (tests/xr/runtime.sh). Its newer driver of Mesa
+# wants what the installed one wants.
+IBR_PACKAGES_XR="g++ cmake ninja-build pkg-config python3 glslang-tools xz-utils libvulkan-dev libeigen3-dev
+  libxcb-randr0-dev libx11-xcb-dev mesa-vulkan-drivers"
+
+# missing_packages PACKAGE…: names those that are not installed.
+missing_packages() {
+  for package in "$@"; do
+    case $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) in
+      installed) ;;
+      *) printf ' %s' "$package" ;;
+    esac
+  done
+}
+
 # install_packages PACKAGE…: installs those that are missing. Needs no network where none is.
 install_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
@@ -22,13 +37,7 @@ install_packages() {
     echo "  $*" >&2
     return 0
   fi
-  missing=
-  for package in "$@"; do
-    case $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) in
-      installed) ;;
-      *) missing="$missing $package" ;;
-    esac
-  done
+  missing=$(missing_packages "$@")
   [ -n "$missing" ] || return 0
   if [ "$(id -u)" = 0 ]; then
     as_root="env"

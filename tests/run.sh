@@ -4,11 +4,21 @@
 #   IBR_DATASETS=DIR          also runs the tests that want more than the bundled photographs
 #   IBR_REQUIRE_DEVICE=1      a machine without a Vulkan device fails instead of skipping
 #   IBR_GLTF_VALIDATOR=DIR    where the npm package gltf-validator is; without it that test is skipped
+#   IBR_XR_RUNTIME=DIR        an OpenXR runtime as tests/xr/runtime.sh makes it; without it one is made in the user's cache,
+#                             and where that cannot be, the tests of headsets are skipped
+#   IBR_REQUIRE_XR=1          then they fail instead
 set -eu
 cd "$(dirname "$0")/.."
 . examples/packages.sh
 # shellcheck disable=SC2086 # lists of words
 install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_TEST
+
+# shellcheck disable=SC2086 # a list of words
+if [ -z "${IBR_XR_RUNTIME-}" ] && ! { install_packages $IBR_PACKAGES_XR && IBR_XR_RUNTIME=$(sh tests/xr/runtime.sh); }; then
+  [ -z "${IBR_REQUIRE_XR-}" ] || exit 1
+  echo "There is no OpenXR runtime: the tests of headsets are skipped." >&2
+fi
+export IBR_XR_RUNTIME
 
 cmake --preset ci
 cmake --build --preset ci

@@ -9,9 +9,10 @@
 
 #include <array>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <tuple>
+#include <utility>
 
 namespace ibr::test {
 namespace {
@@ -37,11 +38,12 @@ bool drain(int fd, std::string& into) {
 
 }  // namespace
 
-Outcome runProgram(const std::vector<std::string>& arguments, const RunOptions& options) {
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments, const RunOptions& options)
+    : deadline_(std::chrono::steady_clock::now() + std::chrono::minutes(2)) {
   const Pipe out(false), err(options.terminal);
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
+  child_ = ::fork();
+  REQUIRE(child_ >= 0);
+  if (child_ == 0) {
     ::dup2(::open("/dev/null", O_RDONLY), 0);
     ::dup2(options.out.empty() ? out.write : ::open(options.out.c_str(), O_WRONLY), 1);
     ::dup2(err.write, 2);
@@ -55,31 +57,56 @@ Outcome runProgram(const std::vector<std::string>& arguments, const RunOptions& 
   }
   ::close(out.write);
   ::close(err.write);
+  out_ = out.read;
+  err_ = err.read;
+}
 
-  Outcome outcome;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  bool interrupted = false;
-  std::array<pollfd, 2> waiting{pollfd{out.read, POLLIN, 0}, pollfd{err.read, POLLIN, 0}};
-  while (waiting[0].fd >= 0 || waiting[1].fd >= 0) {
-    ::poll(waiting.data(), waiting.size(), 1000);
-    if (waiting[0].revents && !drain(out.read, outcome.out)) waiting[0].fd = -1;
-    if (waiting[1].revents && !drain(err.read, outcome.err)) waiting[1].fd = -1;
-    if (options.interruptWhen && !interrupted && options.interruptWhen(outcome.err)) {
-      interrupted = true;
-      ::kill(child, SIGINT);
-    }
-    if (std::chrono::steady_clock::now() > deadline) {
-      ::kill(child, SIGKILL);
-      UNSCOPED_INFO(outcome.err);
-      FAIL("the program did not end");
-    }
-  }
-  ::close(out.read);
-  ::close(err.read);
+RunningProgram::~RunningProgram() {
+  for (const int fd : {out_, err_})
+    if (fd >= 0) ::close(fd);
+  if (child_ > 0) ::kill(child_, SIGKILL), ::waitpid(child_, nullptr, 0);
+}
+
+bool RunningProgram::read() {
+  std::array<pollfd, 2> waiting{pollfd{out_, POLLIN, 0}, pollfd{err_, POLLIN, 0}};
+  ::poll(waiting.data(), waiting.size(), 100);
+  for (auto [fd, text, ready] :
+       {std::tuple{&out_, &outcome_.out, waiting[0].revents}, std::tuple{&err_, &outcome_.err, waiting[1].revents}})
+    if (ready && !drain(*fd, *text)) ::close(std::exchange(*fd, -1));
+  checkTime();
+  return out_ >= 0 || err_ >= 0;
+}
+
+void RunningProgram::checkTime() {
+  if (std::chrono::steady_clock::now() < deadline_) return;
+  ::kill(child_, SIGKILL);
+  UNSCOPED_INFO(outcome_.err);
+  FAIL("the program did not end");
+}
+
+bool RunningProgram::runsUntil(const std::function<bool()>& come) {
+  while (!come())
+    if (!read()) return come();
+  return true;
+}
+
+void RunningProgram::interrupt() {
+  ::kill(child_, SIGINT);
+}
+
+Outcome RunningProgram::finish() {
+  while (read()) continue;
   int status = 0;
-  ::waitpid(child, &status, 0);
-  outcome.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  return outcome;
+  ::waitpid(std::exchange(child_, -1), &status, 0);
+  outcome_.code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  return outcome_;
+}
+
+Outcome runProgram(const std::vector<std::string>& arguments, const RunOptions& options) {
+  RunningProgram program(arguments, options);
+  if (options.interruptWhen && program.runsUntil([&] { return options.interruptWhen(program.err()); }))
+    program.interrupt();
+  return program.finish();
 }
 
 bool deviceIsThere() {

@@ -1,0 +1,128 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# An OpenXR runtime for the tests, without a headset: sh tests/xr/runtime.sh [DIR]
+#
+# Builds Monado from Debian's source archive, and lays a Mesa beside it that is newer than Debian 12's own, whose
+# software device draws every view of a multiview pass into the first layer. Nothing outside DIR is changed; without DIR
+# it is a folder of the user's cache, named after this file's contents, so that a changed recipe is a new folder. What is
+# there already is not built again. Progress goes to stderr, the folder's name to stdout. The packages it needs are
+# IBR_PACKAGES_XR of examples/packages.sh; root is not needed.
+#
+# DIR/environment holds the lines NAME=value that a program needs to run on it. XRT_COMPOSITOR_NULL=1 (no display) or
+# XRT_COMPOSITOR_FORCE_XCB=1 (a window of DISPLAY) is for whoever starts the program to choose.
+set -eu
+
+monado=25.0.0
+monado_sha256=ddfa1899078173bea3db98034dc8b990df727a169f490896570ff6e3bda72113
+
+say() { echo "OpenXR runtime: $*" >&2; }
+die() { say "$*"; exit 1; }
+
+here=$(cd "$(dirname "$0")" && pwd)
+recipe=$(sha256sum <"$here/runtime.sh" | cut -c1-16)
+dir=${1-${XDG_CACHE_HOME:-$HOME/.cache}/libibr/xr-$recipe}
+made_by() { [ "$(cat "$dir/recipe" 2>/dev/null)" = "$recipe" ]; }
+if made_by; then
+  echo "$dir"
+  exit 0
+fi
+if [ -d "$dir" ] && [ ! -e "$dir/recipe" ] && [ -n "$(ls -A "$dir")" ]; then
+  die "$dir holds something else"
+fi
+
+# shellcheck source=/dev/null
+debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")
+[ "$debian" = bookworm ] || die "it is made for Debian 12 only"
+. "$here/../../examples/packages.sh"
+# shellcheck disable=SC2086 # a list of words
+missing=$(missing_packages $IBR_PACKAGES_XR)
+[ -z "$missing" ] || die "these packages are missing:$missing"
+
+mkdir -p "$(dirname "$dir")"
+dir=$(cd "$(dirname "$dir")" && pwd)/$(basename "$dir")
+work=$(mktemp -d "$dir.XXXXXX")
+trap 'rm -rf "$work"' EXIT
+trap 'exit 1' HUP INT TERM
+log=$work/log
+# run COMMAND…: what it says is shown only where it fails.
+run() { "$@" >"$log" 2>&1 </dev/null || { tail -n 40 "$log" >&2; die "failed: $*"; }; }
+
+# --- Downloads: by apt, which checks the signatures, from the mirror that this machine uses, with lists of our own.
+cd "$work"
+mkdir -p lists/partial cache/archives/partial debs product
+mirror=$(apt-get indextargets --format '$(RELEASE) $(COMPONENT) $(LABEL) $(REPO_URI)' 'Created-By: Packages' |
+  awk '$1 ~ /^(bookworm|oldstable)$/ && $2 == "main" && (NF == 3 || $3 == "Debian") { print $NF; exit }')
+[ -n "$mirror" ] || die "no mirror of Debian 12 among apt's sources"
+cat >sources.list <<END
+deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main
+deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm-backports main
+END
+# The sandbox user may not read a user's folders.
+our_apt() {
+  run apt-get -q -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts=- -o Dir::State::lists="$work/lists" \
+    -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root -o Acquire::Retries=3 "$@"
+}
+say "fetching Monado $monado and Mesa"
+our_apt update
+our_apt source --download-only --tar-only monado/trixie
+(cd debs && our_apt download mesa-vulkan-drivers/bookworm-backports libdrm2/bookworm-backports)
+tarball=monado_$monado+dfsg.orig.tar.xz
+echo "$monado_sha256  $tarball" | sha256sum --check --status || die "$tarball is not what it was: $(ls monado_* || true)"
+
+# --- Mesa's software device, unpacked beside the installed one.
+for deb in debs/*.deb; do run dpkg -x "$deb" product/mesa; done
+lib=mesa/usr/lib/$(gcc -print-multiarch)
+find product/mesa -name 'libvulkan_*.so' ! -name libvulkan_lvp.so -delete
+[ -e "product/$lib/libvulkan_lvp.so" ] || die "the package of Mesa holds no libvulkan_lvp.so"
+sed "s#\"libvulkan_lvp#\"./$lib/libvulkan_lvp#" product/mesa/usr/share/vulkan/icd.d/lvp_icd*.json >product/lvp.json
+
+# --- Monado's sources, changed where they stand in the way.
+tar xJf "$tarball"
+source=$work/monado-v$monado
+# change FILE SCRIPT: by sed; that it changes nothing is an error.
+change() {
+  cp "$source/$1" before
+  sed -i "$2" "$source/$1"
+  ! cmp -s before "$source/$1" || die "a change of $1 has found nothing to change"
+}
+# Its headers are asked for even where it is not used; Debian's package of them wants a newer systemd.
+change CMakeLists.txt 's/find_package(udev REQUIRED)/find_package(udev)/'
+# xrGetVisibilityMaskKHR calls what the remote headset leaves null.
+change src/xrt/drivers/remote/r_hmd.c \
+  's/rh->base.set_output = .*/&\n\trh->base.get_visibility_mask = u_device_get_visibility_mask;/'
+# The scripted headset listens to this machine alone.
+change src/xrt/drivers/remote/r_hub.c 's/htonl(INADDR_ANY)/htonl(INADDR_LOOPBACK)/'
+
+# --- Monado: the runtime in one library, with the compositor that shows nothing and the one in a window of X11.
+off=$(grep -ohE '^option(_with_deps)?\((XRT_BUILD_DRIVER|XRT_HAVE)_[A-Z0-9_]+' "$source/CMakeLists.txt" |
+  sed 's/.*(//' | grep -vE '^XRT_HAVE_(VULKAN|XCB)$|_(SIMULATED|REMOTE)$' | sed 's/.*/-D&=OFF/')
+say "building Monado (a minute or a few)"
+# shellcheck disable=SC2086 # a list of words
+run cmake -S "$source" -B build -G Ninja -DCMAKE_BUILD_TYPE=Release $off -DXRT_FEATURE_SERVICE=OFF -DXRT_MODULE_IPC=OFF \
+  -DXRT_MODULE_MONADO_CLI=OFF -DXRT_FEATURE_STEAMVR_PLUGIN=OFF -DXRT_FEATURE_SLAM=OFF -DXRT_FEATURE_RENDERDOC=OFF \
+  -DXRT_BUILD_SAMPLES=OFF -DBUILD_TESTING=OFF -DGIT_DESC="$monado"
+run nice cmake --build build
+strip -o product/libopenxr_monado.so build/src/xrt/targets/openxr/libopenxr_monado.so
+cat >product/monado.json <<END
+{"file_format_version": "1.0.0", "runtime": {"name": "Monado", "library_path": "./libopenxr_monado.so"}}
+END
+for library in libopenxr_monado.so "$lib/libvulkan_lvp.so"; do
+  absent=$(LD_LIBRARY_PATH=$PWD/product/$lib ldd "product/$library" | grep 'not found' || true)
+  [ -z "$absent" ] || die "$library wants what is not installed: $absent"
+done
+
+cat >product/environment <<END
+XR_RUNTIME_JSON=$dir/monado.json
+VK_DRIVER_FILES=$dir/lvp.json
+VK_ICD_FILENAMES=$dir/lvp.json
+LD_LIBRARY_PATH=$dir/$lib
+P_OVERRIDE_ACTIVE_CONFIG=remote
+END
+echo "$recipe" >product/recipe
+# Somebody else may have finished first; then theirs is as good.
+if ! made_by; then
+  rm -rf "$dir"
+  mv -T "product" "$dir" 2>/dev/null || made_by || die "cannot make $dir"
+fi
+say "ready"
+echo "$dir"

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "xr_setup.h"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#include "base/file.h"
+
+namespace ibr::test {
+
+using nlohmann::json;
+
+namespace {
+
+int freePort() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+  REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  ::close(socket);
+  return ntohs(address.sin_port);
+}
+
+std::string runtimeFolder() {
+  const char* folder = std::getenv("IBR_XR_RUNTIME");
+  REQUIRE(folder);  // main.cpp has seen to it
+  return folder;
+}
+
+}  // namespace
+
+XrSetup::XrSetup(std::string faults, XrCompositor compositor)
+    : faults_(std::move(faults)), compositor_(compositor), port_(freePort()), headset_(port_) {
+  std::filesystem::create_directory(folder_ / "monado");
+  const json settings{{"active", "remote"}, {"remote", {{"version", 0}, {"port", port_}, {"view_count", 2}}}};
+  writeFile(folder_ / "monado/config_v0.json", settings.dump());
+}
+
+std::vector<std::string> XrSetup::environment() const {
+  std::vector<std::string> variables;
+  std::ifstream in(runtimeFolder() + "/environment");
+  for (std::string line; std::getline(in, line);) variables.push_back(line);
+  REQUIRE(!variables.empty());
+  variables.push_back("IBR_XR_RUNTIME_BEHIND=" + runtimeFolder() + "/libopenxr_monado.so");
+  variables.push_back("XR_RUNTIME_JSON=" IBR_XR_FAULTS_MANIFEST);
+  variables.push_back("IBR_XR_FAULTS=" + faults_);
+  variables.push_back("IBR_XR_RECORD=" + (folder_ / "record").string());
+  variables.push_back("XDG_CONFIG_HOME=" + folder_.path().string());
+  variables.push_back("XRT_LOG=warn");
+  variables.push_back(compositor_ == XrCompositor::null ? "XRT_COMPOSITOR_NULL=1" : "XRT_COMPOSITOR_FORCE_XCB=1");
+  return variables;
+}
+
+bool XrSetup::pass(RunningProgram& program, int count) {
+  const std::size_t enough = frames().size() + std::size_t(count);
+  return program.runsUntil([&] { return frames().size() >= enough; });
+}
+
+bool XrSetup::move(RunningProgram& program, const RemoteState& state) {
+  // The first of the frames to come may have been located before.
+  return program.runsUntil([&] { return headset_.send(state); }) && pass(program, 4);
+}
+
+std::vector<json> XrSetup::record() const {
+  std::vector<json> lines;
+  std::ifstream in(folder_ / "record");
+  for (std::string line; std::getline(in, line);)
+    if (!in.eof()) lines.push_back(json::parse(line));  // the last may not be whole yet
+  return lines;
+}
+
+std::vector<json> XrSetup::frames() const {
+  std::vector<json> lines = record();
+  std::erase_if(lines, [](const json& line) { return !line.contains("frame"); });
+  return lines;
+}
+
+std::string XrSetup::states() const {
+  std::string all;
+  for (const json& line : record())
+    if (line.contains("state")) all += (all.empty() ? "" : " ") + line["state"].get<std::string>();
+  return all;
+}
+
+}  // namespace ibr::test
