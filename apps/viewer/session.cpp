@@ -172,13 +172,14 @@ void Session::fitInterface() {
   if (drawer_ && !isNew) return;
   vkDeviceWaitIdle(device_.handle());
   drawer_.reset();  // ImGui has one at a time
-  drawer_.emplace(device_, swapchain_);
+  drawer_.emplace(device_, swapchain_.format(), kFramesInFlight);
   viewer_.layOut |= isNew;
   redraws_ = 3;
 }
 
 void Session::showPanels() {
   drawer_->beginFrame();
+  interface_.beginFrame();
   PanelInput input{viewer_, window_, device_.name()};
   input.sceneBudget = options_.gpuScene.budgetBytes;
   input.budget = memoryBudget(device_);
@@ -230,7 +231,7 @@ bool Session::draw() {
     if (viewer_.current != before || viewer_.places.size() != places) pictureWanted_ = true;
     if (pictureWanted_) redraws_ = std::max(redraws_, 1);
     recordPicture(*frame, std::min(seconds, kLongestStep));
-    drawer_->record(swapchain_, *frame);
+    drawer_->record(frame->commands, {frame->view, frame->extent, swapchain_.generation()});
   } catch (const Error& e) {
     swapchain_.abandon(*frame);
     --frame_;

@@ -14,6 +14,7 @@
 #include "viewer/place_on_device.h"
 #include "viewer/viewer.h"
 #include "window/interface.h"
+#include "window/interface_drawer.h"
 #include "window/swapchain.h"
 
 namespace ibr::app {

@@ -9,6 +9,7 @@
 #include "gpu/barrier.h"
 #include "gpu/submit.h"
 #include "ibr/error.h"
+#include "window/raw_copy.h"
 
 namespace ibr::app {
 namespace {
@@ -17,18 +18,16 @@ constexpr int kMostLosses = 3;                       // of the surface, one afte
 constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never give one
 constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
 
-// What windows show, and values of the same bits that are not encoded when they are drawn: the better, the earlier.
-constexpr std::array<std::pair<VkFormat, VkFormat>, 9> kFormats{{
-    {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM},
-    {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM},
-    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, VK_FORMAT_A8B8G8R8_UNORM_PACK32},
-    {VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_B8G8R8A8_UNORM},
-    {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM},
-    {VK_FORMAT_A8B8G8R8_SRGB_PACK32, VK_FORMAT_A8B8G8R8_UNORM_PACK32},
-    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_A2B10G10R10_UNORM_PACK32},
-    {VK_FORMAT_A2R10G10B10_UNORM_PACK32, VK_FORMAT_A2R10G10B10_UNORM_PACK32},
-    {VK_FORMAT_R5G6B5_UNORM_PACK16, VK_FORMAT_R5G6B5_UNORM_PACK16},
-}};
+// What windows show: the better, the earlier.
+constexpr std::array kFormats{VK_FORMAT_B8G8R8A8_UNORM,
+                              VK_FORMAT_R8G8B8A8_UNORM,
+                              VK_FORMAT_A8B8G8R8_UNORM_PACK32,
+                              VK_FORMAT_B8G8R8A8_SRGB,
+                              VK_FORMAT_R8G8B8A8_SRGB,
+                              VK_FORMAT_A8B8G8R8_SRGB_PACK32,
+                              VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+                              VK_FORMAT_A2R10G10B10_UNORM_PACK32,
+                              VK_FORMAT_R5G6B5_UNORM_PACK16};
 
 std::vector<VkSurfaceFormatKHR> surfaceFormats(VkPhysicalDevice device, VkSurfaceKHR surface) {
   std::uint32_t count = 0;
@@ -109,11 +108,11 @@ void Swapchain::makeSlot(Slot& slot) const {
 Swapchain::Format Swapchain::chosenFormat() const {
   const std::vector<VkSurfaceFormatKHR> formats = surfaceFormats(device_.physicalDevice(), surface_->get());
   for (const bool anySpace : {false, true})
-    for (const auto& [shown, drawn] : kFormats)
+    for (const VkFormat shown : kFormats)
       for (const VkSurfaceFormatKHR& format : formats)
         if (format.format == shown && (anySpace || format.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR) &&
             (!options_.onlySrgb || isSrgb(shown)))
-          return {drawn, format};
+          return {rawFormat(shown), format};
   fail(ErrorCode::unsupported, "the window takes none of the formats that pictures can be shown in, but {} others",
        formats.size());
 }
@@ -243,10 +242,8 @@ void Swapchain::recordCopy(VkCommandBuffer commands, VkImage image) const {
   constexpr ImageUse kAcquired{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   // The semaphore that showing waits for comes after all commands: the image's last change must be among them.
   constexpr ImageUse kShown{VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_NONE};
-  const VkImageSubresourceLayers layers{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  const VkImageCopy region{layers, {0, 0, 0}, layers, {0, 0, 0}, {extent_.width, extent_.height, 1}};
   transition(commands, image, kAcquired, use::kTransferDestination);
-  vkCmdCopyImage(commands, drawn_.get(), kAfter.layout, image, use::kTransferDestination.layout, 1, &region);
+  recordRawCopy(commands, {drawn_.get()}, {image}, extent_);
   transition(commands, image, use::kTransferDestination, kShown);
 }
 
