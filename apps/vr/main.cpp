@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program `ibr-vr`: stand inside the photographs, with a headset.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "base/check.h"
+#include "shared/exit_code.h"
+#include "shared/folders.h"
+#include "shared/options.h"
+#include "shared/settings.h"
+#include "shared/signals.h"
+#include "vr/show.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr const char* kName = "ibr-vr";
+
+struct Options {
+  CommonOptions common;
+  VrOptions vr;
+  std::vector<std::string> places;
+  std::string screenshot, screenshots = picturesFolder().string(), log, space = "auto";
+  double snapDegrees = 30;
+  int frames = 0, screenshotEvery = 0;
+  bool noFloor = false, noGovernor = false, noMirror = false;
+};
+
+void addNumber(CLI::App& app, const std::string& name, double& value, double low, double high,
+               const std::string& description) {
+  app.add_option_function<std::string>(
+         name, [&value, name, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+         fmt::format("{} [{}]", description, value))
+      ->type_name("X");
+}
+
+void declareComfort(CLI::App& app, Options& o) {
+  app.add_option("--space", o.space, "The room as it was set up (stage), or the place where the head is (local) [auto]")
+      ->check(CLI::IsMember({"auto", "stage", "local"}));
+  addNumber(app, "--eye-height", o.vr.eyeHeight, 0.1, 10, "Where the room is not known: of the eyes at the start, m");
+  addNumber(app, "--scale", o.vr.unitsPerMetre, 1e-6, 1e6, "World units a metre; the map changes it");
+  addNumber(app, "--photograph-height", o.vr.walk.photographHeightMetres, 0, 1000,
+            "Of the photographs above the ground, m");
+  addNumber(app, "--snap-turn", o.snapDegrees, 0, 180, "Degrees of a turn by the stick; 0: it does not turn");
+  app.add_flag("--smooth-motion", o.vr.walk.smoothMotion, "The left stick moves, with a vignette");
+  app.add_flag("--no-floor", o.noFloor, "Without the guiding grid on the floor");
+}
+
+void declare(CLI::App& app, Options& o) {
+  app.set_version_flag("--version", "ibr-vr " IBR_VERSION);
+  app.add_option("SCENE", o.places, "Scenes; the map goes from one to another")->required();
+  addInt(app, "--frames", o.frames, 0, 1000000000, "Ends after so many frames of a scene; 0: when the user leaves");
+  app.add_option("--log", o.log, "What became of each frame, as lines of JSON")->type_name("FILE");
+  app.add_option("--screenshot", o.screenshot, "Both eyes' last pictures: FILE_l.png and FILE_r.png; wants --frames")
+      ->type_name("FILE.png");
+  app.add_option("--screenshots", o.screenshots, fmt::format("Folder for pictures [{}]", o.screenshots))
+      ->type_name("DIR");
+  app.add_flag("--no-mirror", o.noMirror, "No window that shows what the left eye sees");
+  app.add_flag("--no-governor", o.noGovernor, "Draws all that is asked for, also where frames are missed");
+  app.add_flag("--validation", o.vr.validation, "Vulkan's validation layers say what is wrong");
+  addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "")->group("");  // for tests
+  inGroup(app, "Comfort", [&] { declareComfort(app, o); });
+  inGroup(app, "Scenes", [&] {
+    declareSettings(app, o.vr.settings);
+    declareOverlays(app, o.vr.settings);
+    declareGpuScene(app, o.vr.gpuScene);
+  });
+  declareCommonOptions(app, o.common);
+}
+
+void take(Options& o) {
+  o.vr.places.assign(o.places.begin(), o.places.end());
+  o.vr.screenshot = o.screenshot;
+  o.vr.screenshots = o.screenshots;
+  o.vr.screenshotEvery = std::uint64_t(o.screenshotEvery);
+  o.vr.frames = std::uint64_t(o.frames);
+  o.vr.walk.snapTurn = o.snapDegrees * std::numbers::pi / 180;
+  if (o.space != "auto") o.vr.space = o.space == "stage" ? SpaceKind::stage : SpaceKind::local;
+  o.vr.floor = !o.noFloor;
+  o.vr.governed = !o.noGovernor;
+  o.vr.mirror = !o.noMirror;
+}
+
+// Headset, runtime or device may be lost and come back; what is lost again and again is not there.
+void visitAll(Visit& visit) {
+  using Clock = std::chrono::steady_clock;
+  int losses = 0;
+  for (auto begun = Clock::now();; begun = Clock::now()) {
+    try {
+      Show show(visit);
+      show.run();
+      check(show.validationMessages() == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
+            show.validationMessages());
+      return;
+    } catch (const Error& e) {
+      ++visit.losses;
+      losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
+      if (e.code() != ErrorCode::deviceLost || losses > 3 || interrupted()) throw;
+      visit.context.say(LogLevel::warning, "The headset was lost; everything is set up again. {}", e.what());
+    }
+  }
+}
+
+std::string report(const Visit& visit, const nlohmann::ordered_json& summary) {
+  using Json = nlohmann::ordered_json;
+  Json pictures = Json::array();
+  for (const fs::path& file : visit.pictures) pictures.push_back(file.string());
+  return Json{{"headset", visit.headset}, {"eyes", visit.eyes}, {"place", visit.options.places[visit.current].string()},
+              {"losses", visit.losses},   {"frames", summary},  {"pictures", std::move(pictures)}}
+      .dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+ExitCode run(int argc, char** argv) {
+  Options o;
+  o.common.program = kName;
+  CLI::App app(
+      "Examples:\n"
+      "  ibr-vr scene\n"
+      "  ibr-vr hall garden --preset fast --scale 0.37\n"
+      "  ibr-vr scene --frames 900 --log frames.jsonl --screenshot eyes.png\n\n"
+      "Shows scenes in a headset by OpenXR. Hold the trigger to point at a place where photographs were taken, let go\n"
+      "to stand there; the stick turns; the menu button (Y or B) shows a map and settings.\n",
+      kName);
+  declare(app, o);
+  try {
+    app.parse(argc, argv);
+    checkOverlays(o.vr.settings);
+    if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot wants --frames");
+  } catch (const CLI::Success& e) {
+    std::fputs(
+        dynamic_cast<const CLI::CallForVersion*>(&e) ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(),
+        stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    return complain(kName, fmt::format("{}\n{}: {} --help shows what there is", e.what(), kName, kName),
+                    kExitCommandLine);
+  }
+  take(o);
+  const Context context(o.common);
+  watchForInterrupt();
+  FrameLog log(o.log);
+  Visit visit{.options = o.vr, .context = context, .log = log};
+  visit.files.resize(o.vr.places.size());
+  visit.walking = o.vr.walk;
+  visit.eyeHeight = o.vr.eyeHeight;
+  visitAll(visit);
+  context.report(report(visit, log.finish()));
+  return interrupted() ? kExitInterrupted : kExitOk;
+}
+
+}  // namespace
+}  // namespace ibr::app
+
+int main(int argc, char** argv) {
+  using namespace ibr::app;
+  return guarded(kName, [&] { return run(argc, argv); });
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is asked of the program, and what stays when the headset or its device is lost and made anew.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "shared/context.h"
+#include "vr/frame_log.h"
+#include "vr/governor.h"
+#include "vr/session.h"
+#include "vr/stereo_place.h"
+
+namespace ibr::app {
+
+struct VrOptions {
+  std::vector<std::filesystem::path> places;  // at least one
+  RenderSettings settings;
+  GpuSceneOptions gpuScene;
+  WalkSettings walk;
+  std::optional<SpaceKind> space;  // nullopt: STAGE where there is one
+  double eyeHeight = 1.6;          // of LOCAL, m
+  double unitsPerMetre = 1;        // of the world
+  bool floor = true;               // the guiding floor, at the real one's height
+  bool governed = true;            // the frame governor may draw less
+  bool mirror = true;              // a window that shows the left eye, where there is a display
+  bool validation = false;
+  std::uint64_t frames = 0;           // to show before it ends; 0: until the user leaves
+  std::filesystem::path screenshot;   // of both eyes, written at the end; empty: none
+  std::filesystem::path screenshots;  // folder for those that are asked for
+  std::uint64_t screenshotEvery = 0;  // frames from one that nobody asks for to the next, for tests; 0: none
+};
+
+struct Visit {
+  const VrOptions& options;
+  const Context& context;
+  FrameLog& log;
+  std::vector<std::shared_ptr<const PlaceFiles>> files;  // of options.places; null until they are read
+  std::size_t current = 0;                               // of options.places
+  WalkSettings walking;
+  double eyeHeight = 1.6;         // of LOCAL, m
+  std::optional<WalkState> walk;  // in the current place
+  std::uint64_t shown = 0;        // frames of places
+  std::uint64_t losses = 0;       // of the headset or its device
+  std::uint64_t validationMessages = 0;
+  std::string headset, eyes;                    // as a person would cite them
+  std::vector<std::filesystem::path> pictures;  // that were written
+};
+
+}  // namespace ibr::app
