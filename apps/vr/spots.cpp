@@ -24,7 +24,6 @@ Spot spotOf(const std::vector<Pose>& cameras, std::vector<std::uint32_t> nodes, 
     facing += facingOf(cameras[node].rotation, up);
   }
   const double count = double(nodes.size());
-  facing -= glm::dot(facing, up) * up;
   const bool around = !(glm::length(facing) > kAllAround * count);
   return {first.position + offset / count, around ? facingOf(first.rotation, up) : glm::normalize(facing),
           std::move(nodes)};
@@ -87,7 +86,6 @@ std::optional<std::size_t> pointedSpot(const std::vector<Spot>& spots, const Ray
   if (held && *held < spots.size() && angles[*held] <= settings.cone + settings.hold &&
       angles[*held] <= *best + settings.hold)
     return held;
-  if (!(*best <= settings.cone)) return std::nullopt;
   std::optional<std::size_t> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < spots.size(); ++i)

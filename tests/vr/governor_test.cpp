@@ -166,6 +166,22 @@ TEST_CASE("governor: what was taken back is tried again at once when the load ha
   CHECK(state.level == 0);
 }
 
+TEST_CASE("governor: a level that was held for long is not a mistake when the load grows again") {
+  GovernorState state = fresh();
+  Simulated device = steady(0, 0.85, 0);
+  for (int time = 0; time < 8; ++time) {
+    device.load = [](int) { return 0.5 * kPeriod90; };
+    run(state, device, 30 * 90);
+    CHECK(state.level == 0);
+    device.load = [](int) { return 0.95 * kPeriod90; };
+    run(state, device, 90);
+    CHECK(state.level > 0);
+  }
+  device.load = [](int) { return 0.4 * kPeriod90; };
+  run(state, device, 200);
+  CHECK(state.level == 0);
+}
+
 TEST_CASE("governor: a frame that is late by itself changes nothing; two of them do") {
   for (const double hitch : {15.0, 100.0, 2000.0}) {
     GovernorState state = fresh();
@@ -223,6 +239,10 @@ TEST_CASE("governor: too slow at the cheapest level is said once") {
   CHECK(state.level + 1 == state.levels.size());
   REQUIRE(slow.lines.size() == std::size_t(slow.changes) + 1);
   CHECK(slow.lines.back().find("nothing is left to leave out") != std::string::npos);
+  GovernorState again = state;
+  run(again, steady(0.1 * kPeriod90), 2000);
+  CHECK(again.level == 0);
+  CHECK(run(again, steady(100 * kPeriod90), 300).lines.back().find("nothing is left") != std::string::npos);
   // A moment of room is not 1.5 s of it.
   Simulated device = steady(0, 1, 0);
   device.load = [](int frame) { return frame % 100 < 60 ? 0.3 * kPeriod90 : 2 * kPeriod90; };

@@ -71,6 +71,12 @@ TEST_CASE("groups: rooms that are far apart stay full of places") {
   auto rooms = row(12, 0.5);
   for (const glm::dvec3& place : row(12, 0.5, {40, 0, 0})) rooms.push_back(place);
   CHECK(groupsOf(rooms).size() == 24);
+  for (glm::dvec3& point : rooms) point.x += point.x > 20 ? 200 : 0;
+  CHECK(groupsOf(rooms).size() == 24);
+  std::vector<glm::dvec3> many;
+  for (int room = 0; room < 10; ++room)
+    for (const glm::dvec3& place : row(5, 0.5, {room * 32.0, 0, 0})) many.push_back(place);
+  CHECK(groupsOf(many).size() == 50);
   // Photographs at distances of many kinds, as people take them.
   std::mt19937 random(4);
   std::uniform_real_distribution<double> any(0, 30);

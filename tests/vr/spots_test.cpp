@@ -44,6 +44,12 @@ TEST_CASE("spots: one for each place, with the middle of its photographs and the
   CHECK(angleBetween(spots[1].facing, looking(1) * glm::dvec3(0, 0, -1)) < 1e-12);
   CHECK(spots[2].nodes == std::vector<std::uint32_t>{3});
   CHECK(spotsOf({}, kUp).empty());
+  // A bracket whose poses were estimated each by itself.
+  cameras.push_back({{3.006, 0.003, 0}, looking(1)});
+  cameras.push_back({{3, 0, -0.006}, looking(1)});
+  const std::vector<Spot> bracketed = spotsOf(cameras, kUp);
+  REQUIRE(bracketed.size() == 3);
+  CHECK(glm::distance(bracketed[1].position, glm::dvec3(3.002, 0.001, -0.002)) < 1e-12);
 }
 
 TEST_CASE("spots: photographs all around face as the first does; facing is level with any up") {
@@ -125,6 +131,7 @@ TEST_CASE("pointing: the nearest of those in line, and the same until another is
   const std::vector<Spot> line{spotAt({0, 1.6, -12}), spotAt({0, 1.6, -3}), spotAt({0, 1.6, -6})};
   CHECK(pointedSpot(line, {{0, 1.6, 0}, {0, 0, -1}}, kUp, 1.6) == 1u);
   CHECK(pointedSpot(line, towards({0, 1.5, 0}, {0, 0, -12}), kUp, 1.6) == 0u);
+  CHECK(pointedSpot(line, towards({0, 1.62, 0}, line[0].position), kUp, 1.6) == 1u);  // nearly in line
 
   const std::vector<Spot> pair{spotAt({-0.2, 1.6, -4}), spotAt({0.2, 1.6, -4})};
   const auto at = [](double degrees) {

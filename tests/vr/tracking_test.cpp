@@ -70,6 +70,12 @@ TEST_CASE("facing: the horizontal part of a view, and where the head's top or ch
       CHECK(glm::length(facing) == Approx(1).margin(1e-12));
       CHECK(std::abs(facing.y) < 1e-12);
     }
+  // A head that looks at its feet and trembles does not face all ways.
+  for (const double roll : {-0.02, -0.001, 0.0, 0.003, 0.02})
+    for (const double pitch : {-1.59, -1.5708, -1.56}) {
+      const glm::dquat rotation = glm::angleAxis(roll, glm::dvec3(0, 0, 1)) * pitched(0, pitch);
+      CHECK(std::abs(headingOf(rotation)) < 0.03);
+    }
   // About any up.
   AnyTracking any(3);
   for (int i = 0; i < 100; ++i) {
