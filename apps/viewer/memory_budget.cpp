@@ -31,15 +31,19 @@ std::uint32_t largestLocalHeap(const VkPhysicalDeviceMemoryProperties& memory) {
 
 }  // namespace
 
-MemoryBudget memoryBudget(const Device& device) {
-  const std::uint32_t heap = largestLocalHeap(device.memoryProperties());
-  if (!saysBudgets(device.physicalDevice())) return {device.memoryProperties().memoryHeaps[heap].size, std::nullopt};
+MemoryMeter::MemoryMeter(const Device& device)
+    : device_(device),
+      heap_(largestLocalHeap(device.memoryProperties())),
+      saysBudgets_(saysBudgets(device.physicalDevice())) {}
+
+MemoryBudget MemoryMeter::read() const {
+  if (!saysBudgets_) return {device_.memoryProperties().memoryHeaps[heap_].size, std::nullopt};
   VkPhysicalDeviceMemoryBudgetPropertiesEXT budget{.sType =
                                                        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
   VkPhysicalDeviceMemoryProperties2 memory{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
                                            .pNext = &budget};
-  vkGetPhysicalDeviceMemoryProperties2(device.physicalDevice(), &memory);
-  return {budget.heapBudget[heap], budget.heapUsage[heap]};
+  vkGetPhysicalDeviceMemoryProperties2(device_.physicalDevice(), &memory);
+  return {budget.heapBudget[heap_], budget.heapUsage[heap_]};
 }
 
 }  // namespace ibr::app

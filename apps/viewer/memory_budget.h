@@ -15,6 +15,16 @@ struct MemoryBudget {
 };
 
 /// By VK_EXT_memory_budget; where the device lacks that, `bytes` is the whole heap.
-MemoryBudget memoryBudget(const Device& device);
+class MemoryMeter {
+ public:
+  explicit MemoryMeter(const Device& device);  // which must outlive it
+
+  MemoryBudget read() const;
+
+ private:
+  const Device& device_;
+  std::uint32_t heap_;
+  bool saysBudgets_;
+};
 
 }  // namespace ibr::app

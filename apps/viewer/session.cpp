@@ -48,6 +48,7 @@ Session::Session(Window& window, Interface& interface, Viewer& viewer, const Ses
       viewer_(viewer),
       options_(options),
       device_(makeDevice(options, viewer)),
+      memory_(device_),
       swapchain_(device_, window, {.onlySrgb = options.onlySrgb}),
       last_(std::chrono::steady_clock::now()) {
   if (!options.shaders.empty()) shaders_.emplace(device_, ShaderReloadOptions{.folder = options.shaders});
@@ -182,7 +183,7 @@ void Session::showPanels() {
   interface_.beginFrame();
   PanelInput input{viewer_, window_, device_.name()};
   input.sceneBudget = options_.gpuScene.budgetBytes;
-  input.budget = memoryBudget(device_);
+  input.budget = memory_.read();
   if (Place* place = viewer_.place())
     if (const auto found = drawn_.find(place->number); found != drawn_.end()) {
       input.plan = found->second->plan();

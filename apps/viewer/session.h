@@ -10,6 +10,7 @@
 
 #include "ibr/offscreen.h"
 #include "ibr/shader_reload.h"
+#include "viewer/memory_budget.h"
 #include "viewer/panels.h"
 #include "viewer/place_on_device.h"
 #include "viewer/viewer.h"
@@ -72,6 +73,7 @@ class Session {
   Viewer& viewer_;
   const SessionOptions& options_;
   Device device_;
+  MemoryMeter memory_;
   Swapchain swapchain_;
   std::optional<InterfaceDrawer> drawer_;
   std::array<std::unique_ptr<ScopeTimer>, kFramesInFlight> timers_;

@@ -8,6 +8,20 @@ using namespace ibr::test;
 using Catch::Contains;
 using nlohmann::json;
 
+namespace {
+
+// A camera path along x from 7, for so many seconds.
+void writePath(const fs::path& file, double seconds, double x) {
+  const json rotation{0.0, 0.0, 0.0, 1.0};
+  const auto key = [&](double time, double at) {
+    return json{{"time", time}, {"position", {at, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}};
+  };
+  writeFile(file,
+            json{{"version", 1}, {"size", {320, 240}}, {"fps", 30}, {"keys", {key(0, 7), key(seconds, x)}}}.dump());
+}
+
+}  // namespace
+
 TEST_CASE("keys and the mouse move the view") {
   if (!canView()) return;
   const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
@@ -101,15 +115,7 @@ TEST_CASE("a view that stands says how far it may be trusted") {
 TEST_CASE("a camera path is shown from the start, again and again") {
   if (!canView()) return;
   TemporaryFolder folder;
-  const json rotation{0.0, 0.0, 0.0, 1.0};
-  writeFile(folder / "path.json",
-            json{{"version", 1},
-                 {"size", {320, 240}},
-                 {"fps", 30},
-                 {"keys",
-                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
-                   {{"time", 0.2}, {"position", {7.1, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
-                .dump());
+  writePath(folder / "path.json", 7.1, 0.2);
   const auto outcome = view({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--frames", "60"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
@@ -162,15 +168,7 @@ TEST_CASE("a path that has been shown ends on its last key") {
 TEST_CASE("who moves the view while a path is shown gets it") {
   if (!canView()) return;
   TemporaryFolder folder;
-  const json rotation{0.0, 0.0, 0.0, 1.0};
-  writeFile(folder / "path.json",
-            json{{"version", 1},
-                 {"size", {320, 240}},
-                 {"fps", 30},
-                 {"keys",
-                  {{{"time", 0}, {"position", {7, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}},
-                   {{"time", 20}, {"position", {9, 0, 1}}, {"rotation", rotation}, {"fovY", 0.8}}}}}
-                .dump());
+  writePath(folder / "path.json", 9, 20);
   const json report =
       whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json"}, [](const std::string&) {
         xdotool({"key", "bracketright"});

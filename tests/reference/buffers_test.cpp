@@ -40,10 +40,7 @@ class Recorder {
 // Two cells and backdrops, made once: that takes longer than a picture.
 const SyntheticScene& richPlace() {
   static const SyntheticScene place = [] {
-    SyntheticOptions options = test::place(4);
-    options.cells = {{0, 1, 2}, {1, 2, 3}};
-    SyntheticScene made = makeScene(options);
-    addBackdrops(made, options);
+    SyntheticScene made = twoCellsWithBackdrops();
     for (std::size_t i = 0; i < made.photographs.size(); ++i)  // unlike one another, so that there is spread
       for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
     for (Cell& cell : made.scene.cells)

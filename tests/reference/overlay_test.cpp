@@ -55,10 +55,7 @@ double lightness(shader::vec3 colour) {
 // once: that takes longer than a picture.
 const SyntheticScene& richPlace() {
   static const SyntheticScene place = [] {
-    SyntheticOptions options = test::place(4);
-    options.cells = {{0, 1, 2}, {1, 2, 3}};
-    SyntheticScene made = makeScene(options);
-    addBackdrops(made, options);
+    SyntheticScene made = twoCellsWithBackdrops();
     for (std::size_t i = 0; i < made.photographs.size(); ++i) {
       Image8& photograph = made.photographs[i];
       for (int y = 0; y < photograph.height; ++y)

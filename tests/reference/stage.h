@@ -141,6 +141,15 @@ inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options)
   }
 }
 
+/// Four cameras' place() as two cells over their backdrops.
+inline SyntheticScene twoCellsWithBackdrops() {
+  SyntheticOptions options = place(4);
+  options.cells = {{0, 1, 2}, {1, 2, 3}};
+  SyntheticScene made = makeScene(options);
+  addBackdrops(made, options);
+  return made;
+}
+
 /// Settings under which alpha tells what was drawn, and what was not drawn stays empty.
 inline RenderSettings withTiers() {
   RenderSettings settings;

@@ -9,6 +9,7 @@
 #include "ibr/ecc_pass.h"
 #include "ibr/error.h"
 #include "ibr/gpu_scene.h"
+#include "ibr/graph_overlay.h"
 #include "ibr/htm.h"
 #include "ibr/htm_model.h"
 #include "ibr/htm_sequence.h"
