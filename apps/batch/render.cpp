@@ -39,7 +39,7 @@ struct Options {
   double ipd = 0;  // 0: not given
   bool buffers = false;
   bool graph = false;
-  double eyeHeight = 0;  // over the guiding floor; 0: no floor
+  std::optional<double> floor, floorSpacing;  // FloorWish
   RenderSettings settings;
   GpuSceneOptions gpuScene;
   HtmViewsOptions htm;  // what only they have
@@ -56,9 +56,17 @@ void declareSceneOptions(CLI::App& app, Options& options) {
       ->type_name("METRES")
       ->needs(stereo);
   app.add_flag("--buffers", options.buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
-  number("--floor", options.eyeHeight, 1e-9, 1e9,
-         "A grid so far below the photographs, in world units, where none of them shows anything")
-      ->type_name("METRES");
+  const auto given = [&app](const char* name, std::optional<double>& value, double low, const char* description) {
+    return app
+        .add_option_function<std::string>(
+            name, [name, &value, low](const std::string& text) { value = parsedDouble(name, text, low, 1e9); },
+            description)
+        ->type_name("METRES");
+  };
+  auto* floor = given("--floor", options.floor, -1e9,
+                      "A grid so far below the photographs, in world units, where none of them shows anything");
+  given("--floor-spacing", options.floorSpacing, 1e-9, "Between its lines, in world units [half of --floor]")
+      ->needs(floor);
   declareSettings(app, options.settings);  // --preset among them, which comes before all other settings
   declareOverlays(app, options.settings);
   declareGpuScene(app, options.gpuScene);
@@ -85,7 +93,9 @@ ExitCode renderViews(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   checkCells(options.settings, scene);
   RenderSettings settings = options.settings;
-  if (options.eyeHeight > 0) settings.floor = floorBelow(scene, options.eyeHeight);
+  std::optional<FloorWish> floor;
+  if (options.floor) floor = FloorWish{*options.floor, options.floorSpacing};
+  if (floor) settings.floor = floorBelow(scene, *floor);
   const bool isPath = options.poses.empty() || isWalk(options.poses);
   std::vector<View> asked = options.autoFrames > 0
                                 ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
@@ -104,7 +114,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
   if (options.graph) renderer.showGraph();
   settings.alpha = AlphaContent::tier;
-  Json drawn = pictureSettingsJson(settings, options.gpuScene, options.eyeHeight);
+  Json drawn = pictureSettingsJson(settings, options.gpuScene, floor);
   drawn["graph"] = options.graph;
   Json written = Json::array();
   double least = 1, sum = 0;

@@ -205,11 +205,13 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
 }
 
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
-                                           double eyeHeight) {
-  nlohmann::ordered_json json = settingsJson(settings, gpuScene), floor, overlay;
-  if (eyeHeight > 0) floor = eyeHeight;
+                                           const std::optional<FloorWish>& floor) {
+  nlohmann::ordered_json json = settingsJson(settings, gpuScene), eyeHeight, spacing, overlay;
+  if (floor) eyeHeight = floor->eyeHeight;
+  if (floor && floor->spacing) spacing = *floor->spacing;
   if (settings.overlay != Overlay::none) overlay = wordOf(settings.overlay).word;
-  json["floor"] = floor;
+  json["floor"] = eyeHeight;
+  json["floorSpacing"] = spacing;
   json["overlay"] = overlay;
   json["mute"] = settings.mutedCells;
   json["solo"] = settings.soloCells;

@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "ibr/renderer.h"
+#include "shared/up.h"
 
 namespace ibr::app {
 
@@ -68,9 +70,9 @@ const OverlayWord& wordOf(Overlay overlay);
 /// The effective settings, each under the name of its option.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
-/// These, "floor" (--floor: its eye height in world units), "overlay", each null where there is none,
+/// These, "floor" and "floorSpacing" (FloorWish), "overlay", each null where there is none,
 /// "mute" and "solo", lists of cells: all that makes one picture of a view.
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
-                                           double eyeHeight);
+                                           const std::optional<FloorWish>& floor);
 
 }  // namespace ibr::app

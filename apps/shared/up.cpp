@@ -27,13 +27,16 @@ std::vector<Pose> posesOf(const HtmModel& model) {
   return poses;
 }
 
-Floor floorBelow(const Scene& scene, double eyeHeight) {
+Floor floorBelow(const Scene& scene, const FloorWish& wish) {
   const auto up = upOf(posesOf(scene));
   check(up.has_value(), ErrorCode::invalidInput,
         "--floor: the photographs were held in too many ways to tell where up is");
   glm::dvec3 middle(0);
   for (const Node& node : scene.nodes) middle += node.camera.pose.position / double(scene.nodes.size());
-  return {*up, glm::dot(*up, middle) - eyeHeight, 0.5 * eyeHeight, 8 * eyeHeight};
+  const double spacing = wish.spacing.value_or(0.5 * wish.eyeHeight);
+  check(spacing > 0, ErrorCode::invalidInput, "--floor {}: above the photographs, it wants --floor-spacing",
+        wish.eyeHeight);
+  return {*up, glm::dot(*up, middle) - wish.eyeHeight, spacing, 16 * spacing};
 }
 
 }  // namespace ibr::app

@@ -18,8 +18,14 @@ std::optional<glm::dvec3> upOf(const std::vector<Pose>& cameras);
 std::vector<Pose> posesOf(const Scene& scene);
 std::vector<Pose> posesOf(const HtmModel& model);
 
-/// A guiding floor `eyeHeight` > 0 (world units) below the middle of the photographs, level as they were held. Throws
-/// Error{invalidInput} where they do not tell where up is.
-Floor floorBelow(const Scene& scene, double eyeHeight);
+/// A guiding floor, as programs ask for one and pictures tell of it. World units.
+struct FloorWish {
+  double eyeHeight = 1;           // so far below the middle of the photographs; < 0: above it
+  std::optional<double> spacing;  // of its lines, > 0; nullopt: half the eye height
+};
+
+/// Level as the photographs were held. Throws Error{invalidInput} where they do not tell where up is, or where there is
+/// no spacing to be had.
+Floor floorBelow(const Scene& scene, const FloorWish& wish);
 
 }  // namespace ibr::app

@@ -23,7 +23,7 @@ fs::path freeFile(const fs::path& folder, const char* name, const char* extensio
 
 nlohmann::ordered_json settingsOf(const Place& place, const GpuSceneOptions& gpuScene) {
   nlohmann::ordered_json settings =
-      place.scene ? pictureSettingsJson(place.settings, gpuScene, 0) : htmSettingsJson(place.htmSettings, false);
+      place.scene ? pictureSettingsJson(place.settings, gpuScene, {}) : htmSettingsJson(place.htmSettings, false);
   settings["graph"] = place.showGraph;
   return settings;
 }

@@ -20,6 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr double kFloorSpacing = 0.5;                                       // m
 constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; behind the grid
 
 LogCallback logOf(const Context& context) {
@@ -127,12 +128,14 @@ void Show::takeLoaded() {
 }
 
 void Show::giveFloor(RenderSettings& settings) {
+  floor_.reset();
   const PlaceFiles& files = place_->files();
   if (!options().floor || !files.level) return;
   glm::dvec3 middle(0);
   for (const Node& node : files.scene.nodes) middle += node.camera.pose.position / double(files.scene.nodes.size());
-  floorBelow_ = glm::dot(files.walk.up, middle - walked_.tracking.origin);
-  if (floorBelow_ > 0) settings.floor = floorBelow(files.scene, floorBelow_);
+  const double metre = walked_.tracking.unitsPerMetre;
+  floor_ = FloorWish{glm::dot(files.walk.up, middle - walked_.tracking.origin), kFloorSpacing * metre};
+  settings.floor = floorBelow(files.scene, *floor_);
 }
 
 // ---- A frame
@@ -319,8 +322,7 @@ void Show::writePictures(const std::vector<Camera>& eyes) {
   const bool last = visit_.shown + 1 == options().frames && !options().screenshot.empty();
   const std::filesystem::path file = last ? options().screenshot : freePicture(options().screenshots);
   pictureAsked_ = false;
-  writeEyes(file, capture_.read(), eyes,
-            pictureSettingsJson(drawnWith_, options().gpuScene, drawnWith_.floor ? floorBelow_ : 0));
+  writeEyes(file, capture_.read(), eyes, pictureSettingsJson(drawnWith_, options().gpuScene, floor_));
   visit_.pictures.push_back(file);
   say(LogLevel::info, fmt::format("{}: both eyes' pictures are written", file.string()));
 }

@@ -6,6 +6,7 @@
 #include <future>
 #include <optional>
 
+#include "shared/up.h"
 #include "vr/eye_capture.h"
 #include "vr/eye_images.h"
 #include "vr/hands.h"
@@ -72,7 +73,7 @@ class Show {
   std::array<HandInput, 2> input_;
   WalkOutput walked_;
   RenderSettings drawnWith_;
-  double floorBelow_ = 0;  // the middle of the photographs, world units
+  std::optional<FloorWish> floor_;  // of drawnWith_
   std::array<XrCompositionLayerProjectionView, 2> projectionViews_{};
   std::array<XrCompositionLayerDepthInfoKHR, 2> depthInfos_{};
   XrCompositionLayerProjection projection_{};

@@ -19,7 +19,8 @@ TEST_CASE("a picture is made again from itself, byte for byte, wherever the scen
   writeFile(folder / "path.json",
             R"({"version":1,"size":[64,48],"fps":1,"keys":[
                 {"time":0,"position":[0.31,0.02,-0.1],"rotation":[0.02,0.1,-0.03,0.9943],"fovY":0.8}]})");
-  const std::vector<std::string> settings{"--colour", "ours", "--cells", "2", "--floor", "1", "--mute", "0"};
+  const std::vector<std::string> settings{"--colour",        "ours", "--cells", "2", "--floor", "1",
+                                          "--floor-spacing", "0.3",  "--mute",  "0"};
   const auto render = [&](const fs::path& scene, const fs::path& poses, const char* out) {
     std::vector<std::string> line{"render", scene, "--poses", poses, "-o", folder / out};
     line.insert(line.end(), settings.begin(), settings.end());
