@@ -115,7 +115,7 @@ TEST_CASE("a view that stands says how far it may be trusted") {
 TEST_CASE("a camera path is shown from the start, again and again") {
   if (!canView()) return;
   TemporaryFolder folder;
-  writePath(folder / "path.json", 7.1, 0.2);
+  writePath(folder / "path.json", 0.2, 7.1);
   const auto outcome = view({tinyScene(), "--size", "320x240", "--path", folder / "path.json", "--frames", "60"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
@@ -168,7 +168,7 @@ TEST_CASE("a path that has been shown ends on its last key") {
 TEST_CASE("who moves the view while a path is shown gets it") {
   if (!canView()) return;
   TemporaryFolder folder;
-  writePath(folder / "path.json", 9, 20);
+  writePath(folder / "path.json", 20, 9);
   const json report =
       whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json"}, [](const std::string&) {
         xdotool({"key", "bracketright"});
