@@ -52,7 +52,6 @@ std::optional<std::size_t> selected(WalkState::HandState& memory, const HandInpu
   }
   if (hand.select) {
     if (memory.select == Select::free) memory.select = hand.onPanel ? Select::panel : Select::aiming;
-    if (hand.onPanel) memory.pointed.reset();
     return std::nullopt;
   }
   const bool goes = memory.select == Select::aiming && !hand.onPanel && headThere;
@@ -68,7 +67,7 @@ bool menuPressed(WalkState::HandState& memory, const HandInput& hand) {
 }
 
 int stickTurn(WalkState& state, const std::array<HandInput, 2>& hands) {
-  const std::size_t turning = hands[kRight].active || !hands[kLeft].active ? kRight : kLeft;
+  const std::size_t turning = hands[kRight].active ? kRight : kLeft;
   const HandInput& hand = hands[turning];
   if (!hand.active || turning != state.turningHand) state.turnedTo = WalkState::kUnseen;
   state.turningHand = turning;

@@ -19,10 +19,6 @@ constexpr double kLeastVignette = 1e-3;
 constexpr double kScaleRange = 1e3;
 constexpr double kNearMetres = 0.3;  // nothing nearer to a hand is pointed at
 
-bool isFinite(glm::dvec3 v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // Tracking space, of length up to 1: where the left stick leads.
 glm::dvec3 stickMotion(const GivenInput& input, const Pose& head) {
   const glm::dvec2 stick = input.hands[kLeft].stick;
@@ -44,7 +40,6 @@ double move(WalkState& state, const WalkPlace& place, const WalkSettings& settin
       tracking.rotation * (motion * (settings.metresPerSecond * input.seconds * tracking.unitsPerMetre));
   const glm::dvec3 from = eyes - glm::dot(eyes, place.up) * place.up, to = from + step;
   const glm::dvec3 kept = keptWithin(place.level, from, to), gone = kept == to ? step : kept - from;
-  if (!isFinite(gone)) return 0;
   state.tracking.origin += gone - glm::dot(gone, place.up) * place.up;
   return std::min(1.0, glm::length(gone) / glm::length(step)) * glm::length(motion);
 }
@@ -70,7 +65,6 @@ void rescale(WalkState& state, const WalkSettings& settings, const Pose& head, d
 void goTo(WalkState& state, const WalkPlace& place, std::size_t spot) {
   if (spot >= place.spots.size()) return;
   state.wanted = spot;
-  state.wantedFacing.reset();
 }
 
 // The head stands at the wanted spot. Only while all is black.
@@ -78,9 +72,10 @@ void jump(WalkState& state, const WalkPlace& place, const WalkSettings& settings
           WalkOutput& output) {
   if (!state.wanted) return;
   const std::size_t spot = *std::exchange(state.wanted, std::nullopt);
-  const auto facing = std::exchange(state.wantedFacing, std::nullopt);
   if (spot >= place.spots.size()) return;
-  state.tracking = standAt(state.tracking, head, place.spots[spot], settings.photographHeightMetres, facing);
+  const Spot& to = place.spots[spot];
+  const auto facing = std::exchange(state.facesSpot, false) ? std::optional(to.facing) : std::nullopt;
+  state.tracking = standAt(state.tracking, head, to, settings.photographHeightMetres, facing);
   output.jumped = true;
   output.arrived = spot;
 }
@@ -142,7 +137,6 @@ WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::o
   state.firstUnitsPerMetre = place.unitsPerMetre;
   if (!spot || *spot >= place.spots.size()) return state;
   state.wanted = spot;
-  state.wantedFacing = place.spots[*spot].facing;
   state.tracking =
       standAt(state.tracking, {}, place.spots[*spot], settings.photographHeightMetres, place.spots[*spot].facing);
   return state;

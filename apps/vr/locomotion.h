@@ -76,12 +76,12 @@ struct WalkState {
   std::size_t turningHand = kRight;
   int turnedTo = kUnseen;  // side of its stick that has turned, 0: it has been seen in the middle
   FadePhase phase = FadePhase::in;
-  double fade = 1;                         // 0 to 1
-  double vignette = 0;                     // 0 to 1
-  std::optional<std::size_t> wanted;       // spot to go to when all is black
-  std::optional<glm::dvec3> wantedFacing;  // world: at the start
-  std::optional<Pose> lastHead;            // tracking space
-  bool realign = false;                    // the tracking space moved by nobody knows what
+  double fade = 1;                    // 0 to 1
+  double vignette = 0;                // 0 to 1
+  std::optional<std::size_t> wanted;  // spot to go to when all is black
+  bool facesSpot = true;              // until one has been stood at: as its photographs do
+  std::optional<Pose> lastHead;       // tracking space
+  bool realign = false;               // the tracking space moved by nobody knows what
 };
 
 struct HandOutput {
@@ -104,8 +104,8 @@ struct WalkOutput {
 
 inline constexpr double kFadeOutSeconds = 0.12, kFadeInSeconds = 0.2;
 
-/// Black, about to stand at a spot facing as its photographs do (out of range or none: at the world's origin); it comes
-/// in when a head is there.
+/// Black, about to stand at a spot (none, or out of range: at the world's origin); it comes in when a head is there.
+/// The first spot that is stood at is faced as its photographs do, at others one faces as before.
 WalkState startWalk(const WalkPlace& place, const WalkSettings& settings, std::optional<std::size_t> spot);
 
 /// Moves on by one frame.

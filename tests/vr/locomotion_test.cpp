@@ -60,6 +60,21 @@ TEST_CASE("walk: begins black, stands at the spot as its photographs look when a
   }
 }
 
+TEST_CASE("walk: who asks for another spot before a head comes faces as that one's photographs do") {
+  Walker walker;
+  walker.place.spots[1].facing = {1, 0, 0};
+  walker.state = startWalk(walker.place, walker.settings, 3);
+  const auto head = std::exchange(walker.input.head, std::nullopt);
+  walker.input.goTo = 1;
+  walker.step();
+  walker.input = {.seconds = kFrame, .head = head};
+  CHECK(walker.step().arrived == 1u);
+  CHECK(angleBetween(facingOf(walker.head().rotation), {1, 0, 0}) < 1e-9);
+  walker.input.goTo = 3;
+  walker.steps(40);
+  CHECK(angleBetween(facingOf(walker.head().rotation), {1, 0, 0}) < 1e-9);
+}
+
 TEST_CASE("walk: in a place without spots one stands at the origin, and there is nothing to go to") {
   Walker walker({}, 0, 0);
   CHECK(walker.step().fade == 0);
@@ -150,6 +165,23 @@ TEST_CASE("walk: a press of one frame goes there as well; one at nothing goes no
   walker.hand(kRight).select = false;
   CHECK(walker.steps(60).fade == 0);
   CHECK(same(walker.state.tracking, before));
+}
+
+TEST_CASE("walk: what a hand points at is kept while it trembles between two") {
+  Walker walker;
+  const glm::dvec3 hand = walker.hand(kRight).aim.position;
+  const auto to = [&](std::size_t spot) {
+    return glm::normalize(inTracking(walker.state.tracking, walker.place.spots[spot].position) - hand);
+  };
+  const auto point = [&](double share) {  // of the way from the one to the other
+    walker.pointAt(kRight, inWorld(walker.state.tracking, hand + (1 - share) * to(3) + share * to(4)));
+    return walker.step().hands[kRight].pointed;
+  };
+  walker.hand(kRight).select = true;
+  CHECK(point(1) == 4u);
+  for (const double share : {0.5, 0.45, 0.55, 0.45}) CHECK(point(share) == 4u);
+  CHECK(point(0) == 3u);
+  for (const double share : {0.5, 0.55, 0.45, 0.55}) CHECK(point(share) == 3u);
 }
 
 TEST_CASE("walk: what is pressed on the panel is the panel's, and what is let go there goes nowhere") {
@@ -279,6 +311,35 @@ TEST_CASE("walk: which hand turns, by what, and by how much") {
   CHECK(same(walker.state.tracking, tracking));
 }
 
+TEST_CASE("walk: a hand that is not tracked asks for nothing, nor when it comes back") {
+  Walker walker;
+  walker.settings.smoothMotion = true;
+  const Tracking before = walker.state.tracking;
+  walker.hand(kLeft).active = walker.hand(kRight).active = false;
+  for (HandInput& hand : walker.input.hands) {
+    hand.stick = {1, 1};
+    hand.select = hand.menu = true;
+  }
+  const auto quiet = [&](const WalkOutput& output) {
+    return !output.turned && !output.menuToggled && !output.showMarks && same(output.tracking, before);
+  };
+  for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
+  walker.hand(kRight).active = true;
+  for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
+  walker.hand(kRight).stick.x = 0;
+  walker.step();
+  walker.hand(kRight).active = false;  // the only one there was
+  walker.step();
+  walker.hand(kRight).active = true;
+  walker.hand(kRight).stick.x = 1;
+  REQUIRE(quiet(walker.step()));
+  // The left one alone turns with what would else go to the side.
+  walker.hand(kRight).active = false;
+  walker.hand(kLeft).active = true;
+  walker.hand(kLeft).stick = {-0.6, 0};
+  for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
+}
+
 TEST_CASE("walk: without a head nothing turns, moves or grows, nor afterwards for what was pushed meanwhile") {
   Walker walker(tilted(), 10);
   walker.settings.smoothMotion = true;
@@ -334,7 +395,7 @@ TEST_CASE("walk: smooth motion is off until it is asked for, level, along where 
 }
 
 TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the same at any rate of frames") {
-  for (const Tracking& to : {Tracking{}, tilted(), tilted(1e6, 10)}) {
+  for (const Tracking& to : {Tracking{}, tilted(), tilted(1e5, 0.1)}) {
     Walker walker(to, 1.5);
     walker.settings.smoothMotion = true;
     // Eyes are wherever a person's are: only the way along the ground counts.
@@ -352,6 +413,10 @@ TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the
     walker.input.head->rotation = glm::angleAxis(-1.2, glm::dvec3(0, 1, 0));
     walker.steps(120);
     CHECK(walker.awayFrom(3) < walker.awayFrom(2));
+    // However long one slides, level.
+    walker.input.head->rotation = glm::angleAxis(0.4, glm::dvec3(0, 1, 0));
+    walker.steps(20000);
+    CHECK(inTracking(walker.state.tracking, walker.place.spots[2].position).y == Approx(height).margin(1e-6));
   }
   glm::dvec3 at[2];
   for (const int rate : {0, 1}) {
@@ -363,6 +428,22 @@ TEST_CASE("walk: smooth motion ends at the bounds, slides along them, and is the
     at[rate] = walker.head().position;
   }
   CHECK(glm::distance(at[0], at[1]) < 1e-9);
+}
+
+TEST_CASE("walk: smooth motion rests during fades") {
+  Walker walker;
+  walker.settings.smoothMotion = true;
+  walker.input.goTo = 1;
+  walker.step();
+  walker.input.goTo.reset();
+  walker.hand(kLeft).stick = {0, 1};
+  while (walker.state.fade > 0) {
+    const WalkOutput output = walker.step();
+    if (output.fade > 0 && walker.state.phase == FadePhase::in) REQUIRE(walker.awayFrom(1) < 1e-9);
+    REQUIRE(output.vignette == 0);
+  }
+  walker.steps(10);
+  CHECK(walker.awayFrom(1) > 0.1);
 }
 
 TEST_CASE("walk: the vignette follows the speed smoothly") {
