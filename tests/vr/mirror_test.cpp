@@ -64,11 +64,9 @@ GpuImage makeEyes(VkFormat format, VkExtent2D extent, bool flat) {
 Image8 seen(const Mirror& mirror, const MirrorSource& source, VkExtent2D window, VkFormat format) {
   Offscreen frame(testDevice(), window, format);
   const Target target = frame.target();
-  const auto record = [&](VkCommandBuffer commands) {
-    mirror.record(commands, source, {commands, target.image, target.view, 0, window});
-  };
-  frame.render(record);
-  return frame.render(record);
+  return frame.render([&](VkCommandBuffer commands) {
+    for (int i = 0; i < 2; ++i) mirror.record(commands, source, {commands, target.image, target.view, 0, window});
+  });
 }
 
 Rgb colourAt(const Image8& image, int x, int y) {

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the menu wishes when a hand points at it and presses, found where the menu says that its things are.
+#include "menu_hand.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "ibr/error.h"
+
+using namespace ibr;
+using namespace ibr::app;
+using namespace ibr::test;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+MenuModel model() {
+  MenuModel m;
+  m.scenes = {"Town hall", "Garden", "Station"};
+  m.scene = 1;
+  m.spots = {{{0.2, 0.2}, false}, {{0.5, 0.5}, true}, {{0.8, 0.3}, false}};
+  m.you = {0.5, 0.55};
+  m.facing = {0, -1};
+  m.unitsPerMetre = 2.5;
+  m.firstUnitsPerMetre = 1;
+  m.eyeHeight = 1.6;
+  m.governor = true;
+  return m;
+}
+
+struct Opened {
+  explicit Opened(MenuModel m = model(), int width = 800, int height = 600)
+      : panel(width, height), shown(std::move(m)), hand{panel, shown} {
+    hand.away();
+  }
+  void page(const char* name) {
+    CHECK(hand.press(name) == MenuWishes{});
+    hand.away();
+  }
+  MenuPanel panel;
+  MenuModel shown;
+  MenuHand hand;
+};
+
+MenuWishes wish(auto MenuWishes::*what, auto value) {
+  MenuWishes wishes;
+  wishes.*what = value;
+  return wishes;
+}
+
+}  // namespace
+
+TEST_CASE("the menu's column: a picture, recentre, close, and exit by a second press") {
+  Opened menu;
+  CHECK(menu.hand.press("picture") == wish(&MenuWishes::picture, true));
+  CHECK(menu.hand.press("recentre") == wish(&MenuWishes::recentre, true));
+  CHECK(menu.hand.press("close") == wish(&MenuWishes::close, true));
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+  CHECK(menu.hand.press("exit") == wish(&MenuWishes::exit, true));
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+}
+
+TEST_CASE("the menu forgets that exit was pressed once: after something else, after a while, after it was closed") {
+  Opened menu;
+  menu.hand.press("exit");
+  menu.hand.press("picture");
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+  menu.hand.press(glm::dvec2(0.99, 0.01));  // nothing is there
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+  for (int i = 0; i < 50; ++i) menu.panel.show(menu.shown, {}, 0.1);
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+  menu.panel.open();
+  menu.hand.away();
+  CHECK(menu.hand.press("exit") == MenuWishes{});
+  for (int i = 0; i < 30; ++i) menu.panel.show(menu.shown, {}, 0.1);
+  CHECK(menu.hand.press("exit") == wish(&MenuWishes::exit, true));
+}
+
+TEST_CASE("the menu's map: the spot that is pressed is gone to, however the hand shakes") {
+  Opened menu;
+  for (std::size_t i = 0; i < menu.shown.spots.size(); ++i)
+    CHECK(menu.hand.press(menu.hand.in("map", menu.shown.spots[i].at + 0.01)) == wish(&MenuWishes::teleport, i));
+  CHECK(menu.hand.press(menu.hand.in("map", {0.5, 0.9})) == MenuWishes{});
+  CHECK(menu.hand.press(menu.hand.in("map", {0.3, 0.3})) == MenuWishes{});
+  // From the first to the third while it is held.
+  const glm::dvec2 first = menu.hand.in("map", menu.shown.spots[0].at);
+  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
+  menu.hand.point(first);
+  menu.hand.point(first, true);
+  menu.hand.point(third, true);
+  CHECK(menu.hand.point(third) == wish(&MenuWishes::teleport, std::size_t(0)));
+  // Away from the map: not meant after all.
+  menu.hand.point(first);
+  menu.hand.point(first, true);
+  menu.hand.away(true);
+  CHECK(menu.hand.away() == MenuWishes{});
+}
+
+TEST_CASE("the menu's map: of two spots the nearer is meant, and the first of those at one place") {
+  MenuModel m = model();
+  m.spots = {{{0.50, 0.5}}, {{0.52, 0.5}}, {{0.52, 0.5}}};
+  Opened menu(m);
+  CHECK(menu.hand.press(menu.hand.in("map", {0.508, 0.5})).teleport == 0u);
+  CHECK(menu.hand.press(menu.hand.in("map", {0.512, 0.5})).teleport == 1u);
+}
+
+TEST_CASE("the menu's map: spots that go away while one is pressed are not gone to") {
+  Opened menu;
+  const glm::dvec2 third = menu.hand.in("map", menu.shown.spots[2].at);
+  menu.hand.point(third);
+  menu.hand.point(third, true);
+  menu.shown.spots.resize(1);
+  menu.hand.point(third, true);
+  CHECK(menu.hand.point(third) == MenuWishes{});
+}
+
+TEST_CASE("the menu's scenes: another one is wished, the open one is not opened again") {
+  Opened menu;
+  menu.page("scenes page");
+  CHECK(menu.hand.press("scene 0") == wish(&MenuWishes::scene, std::size_t(0)));
+  CHECK(menu.hand.press("scene 2") == wish(&MenuWishes::scene, std::size_t(2)));
+  CHECK(menu.hand.press("scene 1") == MenuWishes{});
+  CHECK_FALSE(menu.hand.has("scenes down"));
+  CHECK_FALSE(menu.hand.has("map"));
+}
+
+TEST_CASE("the menu's scenes: many are scrolled, and the open one is in sight to begin with") {
+  MenuModel m = model();
+  m.scenes.assign(40, "a scene");
+  m.scene = 20;
+  Opened menu(m);
+  menu.page("scenes page");
+  CHECK(menu.hand.has("scene 20"));
+  CHECK_FALSE(menu.hand.has("scene 39"));
+  const auto end = [&](const char* button) {
+    for (int i = 0; i < 40; ++i) CHECK(menu.hand.press(button) == MenuWishes{});
+    menu.hand.away();
+  };
+  end("scenes down");
+  CHECK(menu.hand.has("scene 39"));
+  CHECK(menu.hand.press("scene 39").scene == 39u);
+  menu.hand.press("scenes up");
+  menu.hand.away();
+  CHECK((menu.hand.has("scene 27") && menu.hand.has("scene 33")));
+  end("scenes up");
+  CHECK(menu.hand.has("scene 0"));
+  CHECK(menu.hand.press("scene 0").scene == 0u);
+  // One press passes over none.
+  menu.hand.press("scenes down");
+  menu.hand.away();
+  CHECK(menu.hand.has("scene 6"));
+  // It was opened from elsewhere.
+  menu.shown.scene = 30;
+  menu.hand.away();
+  CHECK(menu.hand.has("scene 30"));
+  menu.shown.scenes.resize(2);
+  menu.hand.away();
+  CHECK(menu.hand.has("scene 0"));
+}
+
+TEST_CASE("the menu's settings are wished as they will be") {
+  Opened menu;
+  menu.page("settings page");
+  CHECK(menu.hand.press("larger") == wish(&MenuWishes::scaleFactor, 1.25));
+  CHECK(menu.hand.press("smaller") == wish(&MenuWishes::scaleFactor, 0.8));
+  CHECK(menu.hand.press("first scale") == wish(&MenuWishes::scaleFactor, 0.4));
+  for (const int degrees : {15, 30, 45, 90})
+    CHECK(menu.hand.press("turn " + std::to_string(degrees)) == wish(&MenuWishes::snapDegrees, double(degrees)));
+  for (const bool on : {false, true}) {
+    menu.shown.smoothMotion = on;
+    menu.shown.governor = on;
+    CHECK(menu.hand.press("smooth motion") == wish(&MenuWishes::smoothMotion, !on));
+    CHECK(menu.hand.press("governor") == wish(&MenuWishes::governor, !on));
+  }
+  CHECK(menu.hand.press("higher").eyeHeight == Approx(1.65));
+  CHECK(menu.hand.press("lower").eyeHeight == Approx(1.55));
+  menu.shown.eyeHeight = 2.48;
+  CHECK(menu.hand.press("higher").eyeHeight == 2.5);
+  menu.shown.eyeHeight = 0.51;
+  CHECK(menu.hand.press("lower").eyeHeight == 0.5);
+}
+
+TEST_CASE("the menu has no settings that are no choice") {
+  MenuModel m = model();
+  m.eyeHeight.reset();
+  m.governor.reset();
+  Opened menu(m);
+  menu.page("settings page");
+  CHECK_FALSE(menu.hand.has("higher"));
+  CHECK_FALSE(menu.hand.has("lower"));
+  CHECK_FALSE(menu.hand.has("governor"));
+  CHECK(menu.hand.has("smooth motion"));
+}
+
+TEST_CASE("a press on the menu counts where it began on the panel, and was not held before") {
+  Opened menu;
+  const glm::dvec2 picture = menu.hand.in("picture"), close = menu.hand.in("close");
+  // It began beside the panel.
+  for (const glm::dvec2 beside : {glm::dvec2(-0.1, 0.5), glm::dvec2(0.5, 1.01), glm::dvec2(kNaN, 0.5)}) {
+    menu.hand.point(beside);
+    menu.hand.point(beside, true);
+    menu.hand.point(picture, true);
+    CHECK(menu.hand.point(picture) == MenuWishes{});
+  }
+  menu.hand.away();
+  menu.hand.away(true);
+  menu.hand.point(picture, true);
+  menu.hand.point(picture, true);
+  CHECK(menu.hand.point(picture) == MenuWishes{});
+  // It began on something else.
+  menu.hand.point(close);
+  menu.hand.point(close, true);
+  menu.hand.point(picture, true);
+  CHECK(menu.hand.point(picture) == MenuWishes{});
+  // It was held when the panel was opened.
+  menu.panel.open();
+  menu.hand.point(picture, true);
+  menu.hand.point(picture, true);
+  CHECK(menu.hand.point(picture) == MenuWishes{});
+  CHECK(menu.hand.press("picture").picture);
+}
+
+TEST_CASE("nothing is wished without a press, wherever a hand points") {
+  Opened menu;
+  for (const char* page : {"map page", "scenes page", "settings page"}) {
+    menu.page(page);
+    bool wished = false;
+    for (int y = 0; y <= 60; ++y)
+      for (int x = 0; x <= 80; ++x) wished |= menu.hand.point({x / 80.0, y / 60.0}) != MenuWishes{};
+    CHECK_FALSE(wished);
+  }
+}
+
+TEST_CASE("everything in the menu is on the panel, apart from everything else, and large, in every size") {
+  for (const glm::ivec2 size : {glm::ivec2(640, 480), glm::ivec2(800, 600), glm::ivec2(1280, 960)}) {
+    MenuModel m = model();
+    m.scenes.assign(40, "a scene");
+    Opened menu(m, size.x, size.y);
+    for (const char* page : {"map page", "scenes page", "settings page"}) {
+      menu.page(page);
+      const std::vector<MenuItem>& items = menu.panel.items();
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        INFO(page << ": " << items[i].name);
+        const glm::dvec2 extent = items[i].high - items[i].low;
+        CHECK((items[i].low.x >= 0 && items[i].low.y >= 0 && items[i].high.x <= size.x && items[i].high.y <= size.y));
+        CHECK(std::min(extent.x, extent.y) >= 0.1 * size.y - 1e-3);
+        for (std::size_t k = 0; k < i; ++k)
+          CHECK((items[i].low.x >= items[k].high.x || items[i].high.x <= items[k].low.x ||
+                 items[i].low.y >= items[k].high.y || items[i].high.y <= items[k].low.y));
+      }
+    }
+  }
+}
+
+TEST_CASE("the menu survives a place with nothing in it") {
+  Opened menu{MenuModel{}};
+  for (const char* page : {"map page", "scenes page", "settings page"}) menu.page(page);
+  menu.page("map page");
+  CHECK(menu.hand.press("map") == MenuWishes{});
+  menu.page("scenes page");
+  CHECK_FALSE(menu.hand.has("scene 0"));
+  menu.shown.scene = 7;  // of none
+  CHECK(menu.hand.away() == MenuWishes{});
+}
+
+TEST_CASE("the menu survives tens of thousands of spots and scenes, and names of any kind") {
+  MenuModel m = model();
+  m.spots.clear();
+  for (int i = 0; i < 40000; ++i) m.spots.push_back({{(i % 200 + 0.5) / 200, (i / 200 + 0.5) / 200}, i == 5050});
+  m.scenes.assign(10000, std::string(5000, 'M'));
+  m.scenes[0] = "100 % ##hidden \xff\xfe %s";
+  m.scenes[2] = "";
+  m.line = std::string(100000, '%');
+  Opened menu(m);
+  CHECK(menu.hand.press(menu.hand.in("map", m.spots[4321].at)).teleport == 4321u);
+  menu.page("scenes page");
+  CHECK(menu.hand.press("scene 0").scene == 0u);
+  CHECK(menu.hand.press("scene 2").scene == 2u);
+}
+
+TEST_CASE("the menu survives numbers that are none") {
+  for (const double bad : {kNaN, kInfinite, -kInfinite, 0.0, -1.0, 1e300, 1e-300}) {
+    INFO(bad);
+    MenuModel m = model();
+    m.spots[0].at = {bad, 0.5};
+    m.spots[2].at = {0.5, bad};
+    m.you = {bad, bad};
+    m.facing = {bad, 1};
+    m.unitsPerMetre = bad;
+    m.snapDegrees = bad;
+    m.eyeHeight = bad;
+    m.loading = bad;
+    Opened menu(m);
+    menu.panel.show(menu.shown, {}, bad);
+    const glm::dvec2 middle = menu.hand.in("map", m.spots[1].at);
+    CHECK(menu.hand.press(middle).teleport == 1u);
+    if (!std::isfinite(bad)) {
+      // A spot that is nowhere is not at the map's corner either.
+      CHECK(menu.hand.press(menu.hand.in("map", {0.01, 0.01})) == MenuWishes{});
+    }
+    menu.page("settings page");
+    const auto isFactor = [](const std::optional<double>& f) { return !f || (std::isfinite(*f) && *f > 0); };
+    CHECK(isFactor(menu.hand.press("first scale").scaleFactor));
+    menu.shown.unitsPerMetre = 2;
+    menu.shown.firstUnitsPerMetre = bad;
+    CHECK(isFactor(menu.hand.press("first scale").scaleFactor));
+    const std::optional<double> eyes = menu.hand.press("higher").eyeHeight;
+    CHECK((eyes && *eyes >= 0.5 && *eyes <= 2.5));
+  }
+}
+
+TEST_CASE("a panel refuses to be too small for anything") {
+  CHECK_THROWS_AS(MenuPanel(63, 600), Error);
+  CHECK_THROWS_AS(MenuPanel(800, 0), Error);
+}
