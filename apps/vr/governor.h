@@ -64,12 +64,13 @@ struct Decision {
                           // "frame 812: 10.4 ms of 11.1 ms: cells 12 → 8"
 };
 
-/// One frame has been measured. Down, before a frame is missed: when all but one of the last eight do not stay below
-/// 85 % of the period; after a miss that is not alone, at once; two levels when far over. A single frame, however late,
-/// changes nothing while the others have room. Up: after 1.5 s below 60 %, one level; where that has to be taken back
-/// within 10 s (longer after longer waits) the next try waits twice as long, up to 96 s, unless the load has become
-/// smaller by a fifth. The first
-/// frames after a step were begun before it and are not looked at.
+/// One frame has been measured.
+/// Down: when two of the last eight took more than 85 % of the period, which is before one is missed while a load
+/// grows; after a miss at once, where another of them had little room too; two levels when they are over by a quarter.
+/// A single frame, however late, changes nothing while the others have room. Up: after 1.5 s below 60 %, one level;
+/// where that has to be taken back within 10 s (longer after longer waits) the next try waits twice as long, up to 96
+/// s, unless the load has become smaller by a fifth. The first frames after a step were begun before it and are not
+/// looked at.
 Decision govern(GovernorState& state, const FrameCost& cost);
 
 }  // namespace ibr::app

@@ -39,8 +39,8 @@ double move(WalkState& state, const WalkPlace& place, const WalkSettings& settin
   const glm::dvec3 step =
       tracking.rotation * (motion * (settings.metresPerSecond * input.seconds * tracking.unitsPerMetre));
   const glm::dvec3 from = eyes - glm::dot(eyes, place.up) * place.up, to = from + step;
-  const glm::dvec3 kept = keptWithin(place.level, from, to), gone = kept == to ? step : kept - from;
-  state.tracking.origin += gone - glm::dot(gone, place.up) * place.up;
+  const glm::dvec3 gone = keptWithin(place.level, from, to) - from;
+  state.tracking.origin += gone;
   return std::min(1.0, glm::length(gone) / glm::length(step)) * glm::length(motion);
 }
 
@@ -80,10 +80,10 @@ void jump(WalkState& state, const WalkPlace& place, const WalkSettings& settings
   output.arrived = spot;
 }
 
-void fade(WalkState& state, bool black, bool headThere, double seconds) {
+void fade(WalkState& state, bool black, double seconds) {
   if ((state.wanted || black) && state.fade < 1) state.phase = FadePhase::out;
   if (state.phase == FadePhase::out) state.fade = std::min(1.0, state.fade + seconds / kFadeOutSeconds);
-  if (state.phase == FadePhase::in && !state.wanted && !black && headThere)
+  if (state.phase == FadePhase::in && !state.wanted && !black)
     state.fade = std::max(0.0, state.fade - seconds / kFadeInSeconds);
   if (state.phase == FadePhase::in && state.fade == 0) state.phase = FadePhase::clear;
   if (state.phase == FadePhase::out && state.fade == 1) state.phase = FadePhase::in;
@@ -155,7 +155,7 @@ WalkOutput step(WalkState& state, const WalkPlace& place, const WalkSettings& se
     if (settings.smoothMotion && state.phase == FadePhase::clear) speed = move(state, place, settings, now);
     rescale(state, settings, *now.head, input.scale);
   }
-  fade(state, input.black, now.head.has_value(), now.seconds);
+  fade(state, input.black, now.seconds);
   if (now.head && state.fade == 1) jump(state, place, settings, *now.head, output);
   followVignette(state, speed * std::clamp(settings.vignette, 0.0, 1.0), now.seconds);
   point(state, place, settings, now, output);

@@ -139,7 +139,7 @@ void addRay(Shapes& shapes, const Pose& head, const Pose& aim, double metres, bo
 double rayLength(const Spot& spot, const Tracking& tracking, const Pose& aim, double photographHeightMetres) {
   const glm::dvec3 photograph = inTracking(tracking, spot.position) - aim.position;
   const glm::dvec3 ground = photograph - glm::dvec3(0, photographHeightMetres, 0), along = viewAxis(aim);
-  const auto cosine = [&](glm::dvec3 to) { return glm::dot(to, along) / std::max(glm::length(to), 1e-12); };
+  const auto cosine = [&](glm::dvec3 to) { return glm::dot(to, along) / glm::length(to); };
   return glm::length(cosine(ground) >= cosine(photograph) ? ground : photograph);
 }
 
@@ -187,7 +187,7 @@ void addProgressRing(Shapes& shapes, const Pose& head, std::optional<double> pro
   const glm::dvec3 middle = glm::dvec3(head.position.x, 1, head.position.z) + 2.0 * ahead;
   const Annulus ring{middle, {0, 1, 0}, right, 0.14, 0.17};
   const bool known = progress && std::isfinite(*progress);
-  const double turn = std::isfinite(seconds) ? std::fmod(seconds, 2.0) / 2 * kTau : 0;
+  const double turn = std::fmod(seconds, 2.0) / 2 * kTau;
   const double from = known ? 0 : turn, to = known ? kTau * std::clamp(*progress, 0.0, 1.0) : turn + kTau / 4;
   const std::uint32_t dim = packed(kGrid, 0.5), bright = packed(kMark, 1.5);
   addAnnulus(shapes.inSpace, ring, 0, kTau, 48, dim, dim);

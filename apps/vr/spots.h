@@ -17,8 +17,8 @@ struct Spot {
 };
 
 /// The spots of cameras, in the order of their first camera. Cameras share a place when they are nearer to each other
-/// than a twentieth of the distance to neighbours elsewhere, or than a fiftieth where that is plainly a gap between two
-/// kinds of distances (of five spots or more). `up` is unit.
+/// than a twentieth of the usual distance between places, or where distances are plainly of two kinds, one a hundred
+/// times the other and both of them frequent, as they are between brackets and between places. `up` is unit.
 std::vector<Spot> spotsOf(const std::vector<Pose>& cameras, glm::dvec3 up);
 
 /// The ground below a spot, where photographs are `photographHeight` (world units) above it.

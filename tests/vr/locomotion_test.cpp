@@ -336,6 +336,13 @@ TEST_CASE("walk: a hand that is not tracked asks for nothing, nor when it comes 
   // The left one alone turns with what would else go to the side.
   walker.hand(kRight).active = false;
   walker.hand(kLeft).active = true;
+  walker.hand(kLeft).stick = {0, 0};
+  walker.step();
+  walker.hand(kLeft).active = false;
+  walker.step();
+  walker.hand(kLeft).active = true;
+  walker.hand(kLeft).stick = {-1, 0};
+  REQUIRE(quiet(walker.step()));
   walker.hand(kLeft).stick = {-0.6, 0};
   for (int i = 0; i < 10; ++i) REQUIRE(quiet(walker.step()));
 }
