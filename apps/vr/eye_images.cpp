@@ -47,7 +47,17 @@ ImageViewHandle viewOf(const Device& device, VkImage image, VkFormat format, std
   return make<ImageViewHandle>(device, vkCreateImageView, info, "vkCreateImageView");
 }
 
+std::optional<VkFormat> pictureFormatOf(const std::vector<std::int64_t>& offered) {
+  for (const VkFormat format : {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB})
+    if (has(offered, format)) return format;
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<VkFormat> pictureFormat(const Session& session) {
+  return pictureFormatOf(formatsOf(session));
+}
 
 XrImages::XrImages(Headset& headset, const Device& device, const Session& session, VkFormat format,
                    XrSwapchainUsageFlags usage, VkExtent2D extent, std::uint32_t layers)
@@ -127,8 +137,7 @@ EyeImages::EyeImages(Headset& headset, const Device& device, const Session& sess
 }
 
 EyeImages::Format EyeImages::colourFormat(const std::vector<std::int64_t>& offered) const {
-  for (const VkFormat format : {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_B8G8R8A8_SRGB})
-    if (has(offered, format)) return {format, format};
+  if (const auto format = pictureFormatOf(offered)) return {*format, *format};
   for (const VkFormat format :
        {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_A2B10G10R10_UNORM_PACK32,
         VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_UNORM}) {

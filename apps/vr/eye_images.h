@@ -46,6 +46,9 @@ class XrImages {
   std::uint32_t current_ = 0;
 };
 
+/// The format that pictures of 8 bits go into as they are, where the runtime has one.
+std::optional<VkFormat> pictureFormat(const Session& session);
+
 class EyeImages {
  public:
   /// Projection of the depth that is given to the runtime and to shapes, metres.

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -106,6 +108,15 @@ void visitAll(Visit& visit) {
   }
 }
 
+// Null where there is no display: a headset needs none.
+std::unique_ptr<Window> mirrorWindow(const Context& context) try {
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return nullptr;
+  return std::make_unique<Window>("ibr-vr", 800, 600);
+} catch (const Error& e) {
+  context.say(LogLevel::warning, "there is no mirror: {}", e.what());
+  return nullptr;
+}
+
 std::string report(const Visit& visit, const nlohmann::ordered_json& summary) {
   using Json = nlohmann::ordered_json;
   Json pictures = Json::array();
@@ -149,6 +160,9 @@ ExitCode run(int argc, char** argv) {
   visit.files.resize(o.vr.places.size());
   visit.walking = o.vr.walk;
   visit.eyeHeight = o.vr.eyeHeight;
+  visit.governed = o.vr.governed;
+  const std::unique_ptr<Window> window = o.vr.mirror ? mirrorWindow(context) : nullptr;
+  visit.window = window.get();
   visitAll(visit);
   context.report(report(visit, log.finish()));
   return interrupted() ? kExitInterrupted : kExitOk;

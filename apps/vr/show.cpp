@@ -20,18 +20,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr double kFreeRay = 10;                                             // m, of a ray that meets nothing
 constexpr double kFloorSpacing = 0.5;                                       // m
 constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; behind the grid
 
-LogCallback logOf(const Context& context) {
-  return context.log();
-}
-
 HeadsetOptions headsetOptions(const Visit& visit) {
-  return {.validation = visit.options.validation,
-          .instanceExtensions = {},
-          .deviceExtensions = {},
-          .log = logOf(visit.context)};
+  HeadsetOptions options{.validation = visit.options.validation, .log = visit.context.log()};
+  if (!visit.window) return options;
+  options.instanceExtensions = Window::instanceExtensions();
+  options.deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
+  return options;
 }
 
 }  // namespace
@@ -39,18 +37,20 @@ HeadsetOptions headsetOptions(const Visit& visit) {
 Show::Show(Visit& visit)
     : visit_(visit),
       headset_(headsetOptions(visit)),
-      device_(headset_.device(logOf(visit.context))),
+      device_(headset_.device(visit.context.log())),
       session_(headset_, visit.options.space, visit.eyeHeight),
-      images_(headset_, device_, session_, logOf(visit.context)),
+      images_(headset_, device_, session_, visit.context.log()),
       hands_(headset_, session_),
       ring_(device_),
       shapesPass_(device_, images_.format(), images_.depthFormat(), FrameRing::kSlots),
-      capture_(device_) {
+      capture_(device_),
+      menu_(headset_, device_, session_, visit.context.log()) {
   visit_.headset = headset_.name();
   visit_.eyes = images_.description();
   say(LogLevel::info, session_.spaceKind() == SpaceKind::stage
                           ? "STAGE space: the floor is the room's"
                           : fmt::format("LOCAL space: the eyes begin {:.2f} m above the floor", visit.eyeHeight));
+  makeMirror();
   beginLoading();
 }
 
@@ -67,11 +67,15 @@ void Show::say(LogLevel level, const std::string& text) const {
 void Show::run() {
   while (!session_.ended()) {
     obey(session_.handleEvents());
-    const bool done = options().frames > 0 && visit_.shown >= options().frames;
-    if ((done || interrupted()) && !leaving_) {
-      leaving_ = true;
+    if (visit_.window) {
+      visit_.window->handleEvents(0);
+      leaving_ |= visit_.window->closing();
+    }
+    leaving_ |= interrupted() || (options().frames > 0 && visit_.shown >= options().frames);
+    if (leaving_ && !exitAsked_) {
       if (!session_.running()) return;
       session_.requestExit();
+      exitAsked_ = true;
     }
     if (session_.running())
       frame();
@@ -90,56 +94,6 @@ void Show::obey(const SessionEvents& events) {
   }
 }
 
-// ---- Places
-
-std::vector<RenderSettings> Show::levels() const {
-  const Scene& scene = visit_.files[visit_.current]->scene;
-  return options().governed ? ladder(options().settings, scene.cells.size(), scene.backdrops.size())
-                            : std::vector{options().settings};
-}
-
-EyeFormat Show::eyeFormat() const {
-  return {images_.extent(), images_.format(), {session_.hiddenArea(0), session_.hiddenArea(1)}};
-}
-
-void Show::beginLoading() {
-  loadingSeconds_ = 0;
-  // All that the thread uses is made here; what it reads of the visit nobody changes meanwhile.
-  loading_ = std::async(std::launch::async, [this, eyes = eyeFormat()]() mutable {
-    std::shared_ptr<const PlaceFiles>& files = visit_.files[visit_.current];
-    if (!files)
-      files = std::make_shared<PlaceFiles>(readPlace(options().places[visit_.current], options().unitsPerMetre));
-    checkCells(options().settings, files->scene);
-    GpuSceneOptions gpuScene = options().gpuScene;
-    gpuScene.log = logOf(visit_.context);
-    return std::make_unique<StereoPlace>(headset_.device(nullptr), files, levels(), options().floor, eyes, gpuScene);
-  });
-}
-
-void Show::takeLoaded() {
-  if (!loading_.valid() || loading_.wait_for(0s) != std::future_status::ready) return;
-  place_ = loading_.get();
-  const PlaceFiles& files = place_->files();
-  if (!files.level)
-    say(LogLevel::warning,
-        fmt::format("{}: the photographs were held in too many ways to tell where up is", files.path.string()));
-  governor_ = startGovernor(levels());
-  if (!visit_.walk) visit_.walk = startWalk(files.walk, visit_.walking, 0);
-}
-
-void Show::giveFloor(RenderSettings& settings) {
-  floor_.reset();
-  const PlaceFiles& files = place_->files();
-  if (!options().floor || !files.level) return;
-  glm::dvec3 middle(0);
-  for (const Node& node : files.scene.nodes) middle += node.camera.pose.position / double(files.scene.nodes.size());
-  const double metre = walked_.tracking.unitsPerMetre;
-  floor_ = FloorWish{glm::dot(files.walk.up, middle - walked_.tracking.origin), kFloorSpacing * metre};
-  settings.floor = floorBelow(files.scene, *floor_);
-}
-
-// ---- A frame
-
 void Show::frame() {
   const XrMoment moment = session_.beginFrame();
   const Stopwatch watch;
@@ -156,7 +110,7 @@ void Show::frame() {
   walk(seconds);
   const bool draws = moment.shown && eyes_.oriented;
   if (draws) draw(seconds);
-  const Layers layers = draws ? layersOf() : Layers();
+  const Layers layers = draws ? layersOf(menuShown_) : Layers();
   session_.endFrame(moment, layers);
   if (draws && place_) account(moment, seconds, 1e3 * watch.seconds());
 }
@@ -167,44 +121,50 @@ void Show::walk(double seconds) {
     loadingSeconds_ += seconds;
     return;
   }
-  const bool tracked = eyes_.oriented && eyes_.positioned;
-  const WalkInput input{
-      .seconds = seconds, .head = tracked ? head_ : std::nullopt, .hands = input_, .black = nextPlace_.has_value()};
+  menu_.point(input_);
+  const WalkInput input{.seconds = seconds,
+                        .head = eyes_.oriented && eyes_.positioned ? head_ : std::nullopt,
+                        .hands = input_,
+                        .goTo = std::exchange(goTo_, std::nullopt),
+                        .scale = std::exchange(scale_, 1.0),
+                        .black = nextPlace_.has_value()};
   walked_ = step(*visit_.walk, place_->files().walk, visit_.walking, input);
   for (const Hand hand : {kLeft, kRight})
     if (walked_.jumped && input_[hand].active) hands_.buzz(session_, hand);
-  if (!nextPlace_ || walked_.fade < 1) return;
-  ring_.wait();
-  place_.reset();
-  visit_.walk.reset();
-  visit_.current = *std::exchange(nextPlace_, std::nullopt);
-  beginLoading();
+  obeyMenu(seconds);
+  if (nextPlace_ && walked_.fade >= 1) leavePlace();
 }
 
-Shapes Show::shapes() {
+void Show::addHands(Shapes& shapes, const Pose& head) const {
+  const WalkPlace& place = place_->files().walk;
+  const double height = visit_.walking.photographHeightMetres;
+  std::optional<std::size_t> pointed;
+  for (const Hand hand : {kLeft, kRight}) {
+    const HandOutput& does = walked_.hands[hand];
+    const Pose& aim = input_[hand].aim;
+    if (const auto metres = menu_.rayLength(hand)) addRay(shapes, head, aim, *metres, true);
+    if (!does.aiming) continue;
+    if (does.pointed) pointed = does.pointed;
+    const double metres =
+        does.pointed ? rayLength(place.spots[*does.pointed], walked_.tracking, aim, height) : kFreeRay;
+    addRay(shapes, head, aim, metres, does.pointed.has_value());
+  }
+  if (walked_.showMarks) addMarks(shapes, place.spots, walked_.tracking, head, height, pointed);
+}
+
+Shapes Show::shapes() const {
   Shapes shapes;
   const Pose head = head_.value_or(Pose{{0, 1.6, 0}, {1, 0, 0, 0}});
   for (const HandInput& hand : input_)
     if (hand.active) addHand(shapes, hand.aim);
-  if (!place_) {
+  if (place_) {
+    addHands(shapes, head);
+    addVignette(shapes, walked_.vignette);
+    addFade(shapes, walked_.fade);
+  } else {
     addFloorGrid(shapes, head);
     addProgressRing(shapes, head, std::nullopt, loadingSeconds_);
-    return shapes;
   }
-  const WalkPlace& place = place_->files().walk;
-  const double height = visit_.walking.photographHeightMetres;
-  std::optional<std::size_t> pointed;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const HandOutput& hand = walked_.hands[i];
-    if (!hand.aiming) continue;
-    if (hand.pointed) pointed = hand.pointed;
-    const double length =
-        hand.pointed ? rayLength(place.spots[*hand.pointed], walked_.tracking, input_[i].aim, height) : 10;
-    addRay(shapes, head, input_[i].aim, length, hand.pointed.has_value());
-  }
-  if (walked_.showMarks) addMarks(shapes, place.spots, walked_.tracking, head, height, pointed);
-  addVignette(shapes, walked_.vignette);
-  addFade(shapes, walked_.fade);
   return shapes;
 }
 
@@ -237,19 +197,14 @@ void Show::draw(double seconds) {
   for (std::size_t eye = 0; eye < 2; ++eye)
     shapesPass_.record(frame.commands, frame.slot, inSpace[eye], targets[eye], EyeImages::kNearPlane,
                        EyeImages::kFarPlane);
+  menuShown_ = place_ && menu_.isOpen();
+  if (menuShown_) menu_.record(frame);
   images_.finish(frame.commands);
   ring_.submit(frame);
+  if (window_) showInMirror();
   images_.release();
+  if (menuShown_) menu_.release();
   if (captures) writePictures(cameras);
-}
-
-void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
-                       std::span<const Target> targets) {
-  RenderSettings settings = governor_.levels[governor_.level];
-  giveFloor(settings);
-  const GpuScope scope(frame.commands, frame.timer, "frame");
-  place_->record(frame, seconds, eyes, settings, targets);
-  drawnWith_ = settings;
 }
 
 void Show::recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const {
@@ -264,7 +219,7 @@ void Show::recordEmptiness(VkCommandBuffer commands, std::span<const Target> tar
   }
 }
 
-Show::Layers Show::layersOf() {
+Show::Layers Show::layersOf(bool menu) {
   for (std::uint32_t eye = 0; eye < 2; ++eye) {
     projectionViews_[eye] = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
                              .next = nullptr,
@@ -288,7 +243,9 @@ Show::Layers Show::layersOf() {
                  .space = session_.space(),
                  .viewCount = 2,
                  .views = projectionViews_.data()};
-  return {reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_)};
+  Layers layers{reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_)};
+  if (menu) layers.push_back(menu_.layer(session_.space()));
+  return layers;
 }
 
 void Show::account(const XrMoment& moment, double seconds, double processorMs) {
@@ -301,12 +258,33 @@ void Show::account(const XrMoment& moment, double seconds, double processorMs) {
                   .level = governor_.level,
                   .cells = place_->plan().cells.size(),
                   .missed = missed});
-  if (!options().governed) return;
+  if (!visit_.governed) return;
   const Decision decision = govern(
       governor_, {.workMs = std::max(processorMs, ring_.deviceMs()), .periodMs = moment.periodMs, .missed = missed});
   if (decision.reason.empty()) return;
   visit_.log.add(frame, decision.reason);
   say(LogLevel::info, decision.reason);
+}
+
+// ---- The window beside the headset
+
+void Show::makeMirror() try {
+  if (!visit_.window || !headset_.hasDeviceExtensions()) return;
+  window_.emplace(device_, *visit_.window, SwapchainOptions{.pace = Pace::whenever});
+  mirror_.emplace(device_, images_.format(), images_.extent());
+} catch (const Error& e) {
+  if (e.code() == ErrorCode::deviceLost) throw;
+  window_.reset();
+  say(LogLevel::warning, fmt::format("there is no mirror: {}", e.what()));
+}
+
+void Show::showInMirror() {
+  const std::optional<Swapchain::Frame> frame = window_->begin();
+  if (!frame) return;
+  const EyeImages::Picture left = images_.picture(0);
+  mirror_->record(frame->commands, {.image = left.image, .layer = left.layer, .rect = {{0, 0}, images_.extent()}},
+                  *frame);
+  window_->end(*frame);
 }
 
 // ---- Pictures

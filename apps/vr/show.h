@@ -10,6 +10,8 @@
 #include "vr/eye_capture.h"
 #include "vr/eye_images.h"
 #include "vr/hands.h"
+#include "vr/menu_layer.h"
+#include "vr/mirror.h"
 #include "vr/shapes_pass.h"
 #include "vr/visit.h"
 
@@ -41,16 +43,23 @@ class Show {
   void recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
                    std::span<const Target> targets);
   void recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const;
-  Layers layersOf();
+  Layers layersOf(bool menu);
   void walk(double seconds);
-  Shapes shapes();
+  Shapes shapes() const;
+  void addHands(Shapes& shapes, const Pose& head) const;
+  void makeMirror();
+  void showInMirror();
+  MenuModel menuModel() const;
+  void obeyMenu(double seconds);
+  void standAnew();
   void account(const XrMoment& moment, double seconds, double processorMs);
   bool wantsPicture() const;
   void writePictures(const std::vector<Camera>& eyes);
 
   void beginLoading();
   void takeLoaded();
-  std::vector<RenderSettings> levels() const;
+  void settle(std::unique_ptr<StereoPlace> place);
+  void leavePlace();
   EyeFormat eyeFormat() const;
   void giveFloor(RenderSettings& settings);
 
@@ -63,9 +72,13 @@ class Show {
   FrameRing ring_;
   ShapesPass shapesPass_;
   EyeCapture capture_;
+  MenuLayer menu_;
+  std::optional<Swapchain> window_;  // the mirror
+  std::optional<Mirror> mirror_;
   std::unique_ptr<StereoPlace> place_;                 // null while it is being read
   std::future<std::unique_ptr<StereoPlace>> loading_;  // after all that it uses
   std::optional<std::size_t> nextPlace_;               // of options().places: gone to once all is black
+  std::optional<std::size_t> formerPlace_;             // come back to where the next one cannot be shown
   GovernorState governor_;
 
   // Of the frame that is being made.
@@ -78,11 +91,15 @@ class Show {
   std::array<XrCompositionLayerDepthInfoKHR, 2> depthInfos_{};
   XrCompositionLayerProjection projection_{};
 
-  std::optional<Pose> head_;  // as it was seen last, in the space
+  std::optional<Pose> head_;         // as it was seen last, in the space
+  std::optional<std::size_t> goTo_;  // wished for by the menu, for the next step
+  double scale_ = 1;                 // likewise
+  SpotMap map_;                      // of the place
+  std::string line_;                 // the menu's, of what is happening
   std::optional<SessionEvents::Recentred> recentring_;
   XrTime lastTime_ = 0;
   double loadingSeconds_ = 0;
-  bool maskChanged_ = false, leaving_ = false, pictureAsked_ = false;
+  bool maskChanged_ = false, leaving_ = false, exitAsked_ = false, pictureAsked_ = false, menuShown_ = false;
 };
 
 }  // namespace ibr::app

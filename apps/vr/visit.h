@@ -12,6 +12,7 @@
 #include "vr/governor.h"
 #include "vr/session.h"
 #include "vr/stereo_place.h"
+#include "window/window.h"
 
 namespace ibr::app {
 
@@ -39,8 +40,10 @@ struct Visit {
   FrameLog& log;
   std::vector<std::shared_ptr<const PlaceFiles>> files;  // of options.places; null until they are read
   std::size_t current = 0;                               // of options.places
+  Window* window = nullptr;                              // the mirror; null: there is none
   WalkSettings walking;
   double eyeHeight = 1.6;         // of LOCAL, m
+  bool governed = true;           // as in VrOptions; the menu changes it
   std::optional<WalkState> walk;  // in the current place
   std::uint64_t shown = 0;        // frames of places
   std::uint64_t losses = 0;       // of the headset or its device

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Show: what the menu tells, and what is wished there.
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+
+#include "vr/show.h"
+
+namespace ibr::app {
+
+MenuModel Show::menuModel() const {
+  MenuModel model;
+  for (const std::filesystem::path& place : options().places)
+    model.scenes.push_back(place.lexically_normal().filename().string());
+  model.scene = visit_.current;
+  const WalkPlace& place = place_->files().walk;
+  const Pose head = inWorld(walked_.tracking, head_.value_or(Pose{}));
+  const std::optional<std::size_t> here = nearestSpot(place.spots, head.position, place.up);
+  for (std::size_t i = 0; i < map_.places.size(); ++i) model.spots.push_back({map_.places[i], here == i});
+  model.you = onMap(map_, head.position);
+  model.facing = directionOnMap(map_, facingOf(head.rotation, place.up));
+  model.unitsPerMetre = walked_.tracking.unitsPerMetre;
+  model.firstUnitsPerMetre = visit_.walk->firstUnitsPerMetre;
+  model.smoothMotion = visit_.walking.smoothMotion;
+  model.snapDegrees = visit_.walking.snapTurn * 180 / std::numbers::pi;
+  if (session_.spaceKind() == SpaceKind::local) model.eyeHeight = visit_.eyeHeight;
+  if (options().governed) model.governor = visit_.governed;
+  model.line = line_;
+  return model;
+}
+
+void Show::obeyMenu(double seconds) {
+  if (walked_.menuToggled && head_) menu_.toggle(*head_);
+  if (!menu_.isOpen()) return;
+  const MenuWishes wishes = menu_.show(menuModel(), walked_.hands, seconds);
+  goTo_ = wishes.teleport;
+  scale_ = wishes.scaleFactor.value_or(1);
+  if (wishes.scene) nextPlace_ = wishes.scene;
+  if (wishes.smoothMotion) visit_.walking.smoothMotion = *wishes.smoothMotion;
+  if (wishes.snapDegrees) visit_.walking.snapTurn = *wishes.snapDegrees * std::numbers::pi / 180;
+  if (wishes.governor) visit_.governed = *wishes.governor;
+  if (wishes.eyeHeight) session_.setEyeHeight(visit_.eyeHeight = *wishes.eyeHeight);
+  if (wishes.recentre) standAnew();
+  pictureAsked_ |= wishes.picture;
+  leaving_ |= wishes.exit;
+  if (wishes.close) menu_.close();
+}
+
+// At the nearest spot, facing as its photographs do.
+void Show::standAnew() {
+  const WalkPlace& place = place_->files().walk;
+  const Pose head = inWorld(walked_.tracking, head_.value_or(Pose{}));
+  visit_.walk->wanted = nearestSpot(place.spots, head.position, place.up);
+  visit_.walk->facesSpot = visit_.walk->wanted.has_value();
+}
+
+}  // namespace ibr::app
