@@ -100,9 +100,13 @@ XrResult createSwapchain(XrSession session, const XrSwapchainCreateInfo* info, X
   const std::vector<std::string> formats = split(valueOf("formats"), ':');
   if (!formats.empty() && std::ranges::find(formats, std::to_string(info->format)) == formats.end())
     return XR_ERROR_SWAPCHAIN_FORMAT_UNSUPPORTED;
-  const XrResult result = behind.createSwapchain(session, info, swapchain);
+  XrSwapchainCreateInfo readable = *info;
+  if (state->pictures.active()) readable.usageFlags |= XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT;
+  const XrResult result = behind.createSwapchain(session, &readable, swapchain);
+  if (XR_FAILED(result)) return result;
   const std::lock_guard lock(state->mutex);
-  if (XR_SUCCEEDED(result)) state->record.swapchain(*swapchain, session, *info);
+  state->record.swapchain(*swapchain, session, *info);
+  state->pictures.swapchain(*swapchain, behind.enumerateSwapchainImages);
   return result;
 }
 
@@ -110,7 +114,7 @@ XrResult acquireSwapchainImage(XrSwapchain swapchain, const XrSwapchainImageAcqu
   if (ownerIsLost(swapchain)) return XR_ERROR_SESSION_LOST;
   const XrResult result = behind.acquireSwapchainImage(swapchain, info, index);
   const std::lock_guard lock(state->mutex);
-  if (XR_SUCCEEDED(result)) state->record.acquired(swapchain);
+  if (XR_SUCCEEDED(result)) state->record.acquired(swapchain, *index);
   return result;
 }
 
@@ -155,6 +159,10 @@ XrResult beginFrame(XrSession session, const XrFrameBeginInfo* info) {
 XrResult endFrame(XrSession session, const XrFrameEndInfo* info) {
   if (isLost(session)) return XR_ERROR_SESSION_LOST;
   if (rests(session)) return XR_ERROR_SESSION_NOT_RUNNING;
+  {
+    const std::lock_guard lock(state->mutex);
+    state->pictures.frame(*info, state->record);
+  }
   const XrResult result = behind.endFrame(session, info);
   const std::lock_guard lock(state->mutex);
   state->record.ended(state->faults.frame(), *info, result);

@@ -45,8 +45,13 @@ struct Override {
 };
 
 template <class F>
+PFN_xrVoidFunction* slot(F& function) {
+  return reinterpret_cast<PFN_xrVoidFunction*>(&function);
+}
+
+template <class F>
 Override over(const char* name, F ours, F& theirs) {
-  return {name, reinterpret_cast<PFN_xrVoidFunction>(ours), reinterpret_cast<PFN_xrVoidFunction*>(&theirs)};
+  return {name, reinterpret_cast<PFN_xrVoidFunction>(ours), slot(theirs)};
 }
 
 const Override kOverrides[]{
@@ -79,9 +84,10 @@ const Override kOverrides[]{
 };
 
 XrResult getInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFunction* function) {
-  if (instance && !behind.requestExitSession)
-    behind.getInstanceProcAddr(instance, "xrRequestExitSession",
-                               reinterpret_cast<PFN_xrVoidFunction*>(&behind.requestExitSession));
+  if (instance && !behind.requestExitSession) {  // called by us alone
+    behind.getInstanceProcAddr(instance, "xrRequestExitSession", slot(behind.requestExitSession));
+    behind.getInstanceProcAddr(instance, "xrEnumerateSwapchainImages", slot(behind.enumerateSwapchainImages));
+  }
   const XrResult result = behind.getInstanceProcAddr(instance, name, function);
   if (XR_FAILED(result)) return result;
   for (const Override& one : kOverrides)
@@ -100,7 +106,7 @@ const char* variable(const char* name) {
 // Prints why not.
 bool start() {
   try {
-    if (!state) state = new State(variable("IBR_XR_FAULTS"), variable("IBR_XR_RECORD"));
+    if (!state) state = new State(variable("IBR_XR_FAULTS"), variable("IBR_XR_RECORD"), variable("IBR_XR_PICTURES"));
     return true;
   } catch (const std::invalid_argument& e) {
     std::fprintf(stderr, "IBR_XR_FAULTS: %s\n", e.what());

@@ -4,7 +4,8 @@
 // extensions.
 //
 // By environment variables: IBR_XR_RUNTIME_BEHIND, the file of the other runtime's library; IBR_XR_FAULTS (faults.h);
-// IBR_XR_RECORD, a file (frame_record.h). Calls may come from several threads.
+// IBR_XR_RECORD, a file (frame_record.h); IBR_XR_PICTURES, a folder (submitted_pictures.h). Calls may come from several
+// threads.
 #pragma once
 
 #include <openxr/openxr.h>
@@ -19,6 +20,7 @@
 
 #include "faults.h"
 #include "frame_record.h"
+#include "submitted_pictures.h"
 
 namespace ibr::test {
 
@@ -43,6 +45,7 @@ struct Behind {
   PFN_xrSyncActions syncActions = nullptr;
   PFN_xrEnumerateSwapchainFormats enumerateSwapchainFormats = nullptr;
   PFN_xrCreateSwapchain createSwapchain = nullptr;
+  PFN_xrEnumerateSwapchainImages enumerateSwapchainImages = nullptr;
   PFN_xrAcquireSwapchainImage acquireSwapchainImage = nullptr;
   PFN_xrWaitSwapchainImage waitSwapchainImage = nullptr;
   PFN_xrReleaseSwapchainImage releaseSwapchainImage = nullptr;
@@ -60,13 +63,14 @@ struct State {
   std::mutex mutex;  // of everything here
   Faults faults;
   FrameRecord record;
+  SubmittedPictures pictures;
   std::deque<XrEventDataBuffer> events;  // made up, to be told before the runtime's own
   std::set<XrSession> lost;
   XrSession session = XR_NULL_HANDLE;  // the last that was made
   bool running = false;
   Pause pause = Pause::none;
 
-  State(const char* words, const char* file) : faults(words), record(file) {}
+  State(const char* words, const char* file, const char* folder) : faults(words), record(file), pictures(folder) {}
 };
 /// Frames are counted beyond the life of an instance, as long as which the loader takes this library for loaded: it is
 /// linked to stay.

@@ -79,6 +79,7 @@ XrResult createSession(XrInstance instance, const XrSessionCreateInfo* info, XrS
   state->pause = Pause::none;
   state->running = false;
   state->record.session(*session);
+  state->pictures.session(*info);
   return result;
 }
 

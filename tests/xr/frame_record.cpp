@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "frame_record.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 
 namespace ibr::test {
@@ -17,12 +20,13 @@ json asJson(const XrFovf& fov) {
   return {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown};
 }
 
-// Of what hangs on `next`, that of a type.
+// But for roundings, as of a rotation that was made unit again.
 template <class T>
-const T* chained(const void* next, XrStructureType type) {
-  const auto* base = static_cast<const XrBaseInStructure*>(next);
-  while (base && base->type != type) base = base->next;
-  return reinterpret_cast<const T*>(base);
+bool same(const T& a, const T& b) {
+  std::array<float, sizeof(T) / sizeof(float)> x, y;
+  std::memcpy(x.data(), &a, sizeof a);
+  std::memcpy(y.data(), &b, sizeof b);
+  return std::ranges::equal(x, y, [](float p, float q) { return std::abs(p - q) <= 1e-6f; });
 }
 
 std::string nameOf(XrSessionState state) {
@@ -48,7 +52,7 @@ void FrameRecord::session(XrSession) {
 }
 
 void FrameRecord::swapchain(XrSwapchain swapchain, XrSession session, const XrSwapchainCreateInfo& info) {
-  swapchains_[swapchain] = {.owner = session, .number = swapchainsMade_++};
+  swapchains_[swapchain] = {.owner = session, .number = swapchainsMade_++, .given = {.format = info.format}};
   write({{"swapchain", swapchains_[swapchain].number},
          {"format", info.format},
          {"width", info.width},
@@ -59,8 +63,9 @@ void FrameRecord::swapchain(XrSwapchain swapchain, XrSession session, const XrSw
 
 void FrameRecord::released(XrSwapchain swapchain) {
   Swapchain& given = swapchains_[swapchain];
-  --given.held;
-  ++given.given;
+  if (given.held.empty()) return;
+  given.given.image = given.held.front();
+  given.held.pop_front();
 }
 
 void FrameRecord::begun() {
@@ -89,8 +94,7 @@ bool FrameRecord::isAsLocated(const XrCompositionLayerProjectionView& view, std:
                               XrSpace space) const {
   for (const Located& located : located_)
     if (located.valid && located.time == time && located.space == space && index < located.views.size() &&
-        std::memcmp(&located.views[index].pose, &view.pose, sizeof(XrPosef)) == 0 &&
-        std::memcmp(&located.views[index].fov, &view.fov, sizeof(XrFovf)) == 0)
+        same(located.views[index].pose, view.pose) && same(located.views[index].fov, view.fov))
       return true;
   return false;
 }
@@ -101,7 +105,7 @@ json FrameRecord::subImage(const XrSwapchainSubImage& image) const {
   return {{"swapchain", swapchain.number},
           {"layer", image.imageArrayIndex},
           {"rect", {offset.x, offset.y, extent.width, extent.height}},
-          {"released", swapchain.given > 0 && swapchain.held == 0}};
+          {"released", swapchain.given.image >= 0 && swapchain.held.empty()}};
 }
 
 json FrameRecord::view(const XrCompositionLayerProjectionView& view, std::uint32_t index, XrTime time,

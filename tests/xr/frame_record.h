@@ -15,6 +15,14 @@
 
 namespace ibr::test {
 
+/// Of what hangs on `next`, that of a type.
+template <class T>
+const T* chained(const void* next, XrStructureType type) {
+  const auto* base = static_cast<const XrBaseInStructure*>(next);
+  while (base && base->type != type) base = base->next;
+  return reinterpret_cast<const T*>(base);
+}
+
 class FrameRecord {
  public:
   /// Appends to the file; an empty name writes nothing.
@@ -24,8 +32,13 @@ class FrameRecord {
   void session(XrSession session);
   void space(XrSpace space, XrSession session, std::string type) { spaces_[space] = {session, std::move(type)}; }
   void swapchain(XrSwapchain swapchain, XrSession session, const XrSwapchainCreateInfo& info);
-  void acquired(XrSwapchain swapchain) { ++swapchains_[swapchain].held; }
+  void acquired(XrSwapchain swapchain, std::uint32_t image) { swapchains_[swapchain].held.push_back(int(image)); }
   void released(XrSwapchain swapchain);
+  struct Given {
+    int image = -1;  // that was given back last
+    std::int64_t format = 0;
+  };
+  Given given(XrSwapchain swapchain) const { return find(swapchains_, swapchain).given; }
   XrSession ownerOf(XrSwapchain swapchain) const { return find(swapchains_, swapchain).owner; }
   XrSession ownerOf(XrSpace space) const { return find(spaces_, space).owner; }
 
@@ -45,7 +58,9 @@ class FrameRecord {
   };
   struct Swapchain {
     XrSession owner = XR_NULL_HANDLE;
-    int number = -1, held = 0, given = 0;  // images that the program has, and that it has given back
+    int number = -1;
+    std::deque<int> held;  // images that the program has
+    Given given;
   };
   struct Located {
     XrTime time;

@@ -33,6 +33,7 @@ fi
 # shellcheck source=/dev/null
 debian=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME-}")
 [ "$debian" = bookworm ] || die "it is made for Debian 12 only"
+# shellcheck source=examples/packages.sh disable=SC1091
 . "$here/../../examples/packages.sh"
 # shellcheck disable=SC2086 # a list of words
 missing=$(missing_packages $IBR_PACKAGES_XR)
@@ -50,6 +51,7 @@ run() { "$@" >"$log" 2>&1 </dev/null || { tail -n 40 "$log" >&2; die "failed: $*
 # --- Downloads: by apt, which checks the signatures, from the mirror that this machine uses, with lists of our own.
 cd "$work"
 mkdir -p lists/partial cache/archives/partial debs product
+# shellcheck disable=SC2016 # apt's variables
 mirror=$(apt-get indextargets --format '$(RELEASE) $(COMPONENT) $(LABEL) $(REPO_URI)' 'Created-By: Packages' |
   awk '$1 ~ /^(bookworm|oldstable)$/ && $2 == "main" && (NF == 3 || $3 == "Debian") { print $NF; exit }')
 [ -n "$mirror" ] || die "no mirror of Debian 12 among apt's sources"

@@ -29,6 +29,25 @@ int freePort() {
   return ntohs(address.sin_port);
 }
 
+// RGB of what submitted_pictures.h writes.
+Image8 readPicture(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  int width = 0, height = 0, format = 0;
+  in >> width >> height >> format;
+  in.ignore();
+  constexpr int kBgraUnorm = 44, kBgraSrgb = 50;
+  const bool swapped = format == kBgraUnorm || format == kBgraSrgb;
+  Image8 image(width, height, 3);
+  std::array<char, 4> pixel;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      in.read(pixel.data(), 4);
+      for (std::size_t c = 0; c < 3; ++c) image.pixel(x, y)[c] = std::uint8_t(pixel[swapped ? 2 - c : c]);
+    }
+  REQUIRE(in.good());
+  return image;
+}
+
 std::string runtimeFolder() {
   const char* folder = std::getenv("IBR_XR_RUNTIME");
   REQUIRE(folder);  // main.cpp has seen to it
@@ -53,8 +72,10 @@ std::vector<std::string> XrSetup::environment() const {
   variables.push_back("XR_RUNTIME_JSON=" IBR_XR_FAULTS_MANIFEST);
   variables.push_back("IBR_XR_FAULTS=" + faults_);
   variables.push_back("IBR_XR_RECORD=" + (folder_ / "record").string());
+  if (reads_) variables.push_back("IBR_XR_PICTURES=" + folder_.path().string());
   variables.push_back("XDG_CONFIG_HOME=" + folder_.path().string());
-  variables.push_back("XRT_LOG=warn");
+  for (const char* log : {"XRT_LOG", "XRT_COMPOSITOR_LOG", "PROBER_LOG", "REMOTE_LOG"})
+    variables.push_back(std::string(log) + "=error");
   variables.push_back(compositor_ == XrCompositor::null ? "XRT_COMPOSITOR_NULL=1" : "XRT_COMPOSITOR_FORCE_XCB=1");
   return variables;
 }
@@ -67,6 +88,12 @@ bool XrSetup::pass(RunningProgram& program, int count) {
 bool XrSetup::move(RunningProgram& program, const RemoteState& state) {
   // The first of the frames to come may have been located before.
   return program.runsUntil([&] { return headset_.send(state); }) && pass(program, 4);
+}
+
+std::vector<Image8> XrSetup::pictures(RunningProgram& program) {
+  writeFile(folder_ / "wanted", std::string());
+  if (!program.runsUntil([&] { return !std::filesystem::exists(folder_ / "wanted"); })) return {};
+  return {readPicture(folder_ / "eye0"), readPicture(folder_ / "eye1")};
 }
 
 std::vector<json> XrSetup::record() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/run_program.h"
+#include "ibr/image.h"
 #include "remote_headset.h"
 #include "support/temporary_folder.h"
 
@@ -30,6 +31,11 @@ class XrSetup {
   /// Lets the program submit so many frames more.
   bool pass(RunningProgram& program, int frames);
 
+  /// What the program submits next, by eye; read back from its swapchains, which readPictures() must have prepared
+  /// before the program was started. Nothing where it ends before.
+  std::vector<Image8> pictures(RunningProgram& program);
+  void readPictures() { reads_ = true; }
+
   /// Lines of the record (frame_record.h): all, or those of frames.
   std::vector<nlohmann::json> record() const;
   std::vector<nlohmann::json> frames() const;
@@ -43,6 +49,7 @@ class XrSetup {
   std::string faults_;
   XrCompositor compositor_;
   int port_;
+  bool reads_ = false;
   RemoteHeadset headset_;
 };
 

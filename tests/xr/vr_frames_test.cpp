@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// What ibr-vr hands to the runtime, frame by frame, by the record.
+#include "vr_harness.h"
+
+using namespace ibr::test;
+using nlohmann::json;
+
+namespace {
+
+// What must hold for each frame that shows something.
+void checkFrame(const json& frame, const std::string& space) {
+  INFO(frame.dump());
+  CHECK(frame["result"] == 0);
+  CHECK(frame["displayTime"] == frame["predicted"]);
+  CHECK(frame["shouldRender"] == true);
+  REQUIRE(frame["layers"].size() == 1);
+  const json& layer = frame["layers"][0];
+  CHECK(layer["type"] == "projection");
+  CHECK(layer["space"] == space);
+  REQUIRE(layer["views"].size() == 2);
+  for (int eye = 0; eye < 2; ++eye) {
+    const json& view = layer["views"][std::size_t(eye)];
+    CHECK(view["asLocated"] == true);
+    CHECK(view["released"] == true);
+    CHECK(view["layer"] == eye);
+    CHECK(view["rect"] == json::array({0, 0, 320, 240}));
+    REQUIRE(view.contains("depth"));
+    const json& depth = view["depth"];
+    CHECK(depth["released"] == true);
+    CHECK(depth["swapchain"] != view["swapchain"]);
+    CHECK(depth["layer"] == eye);
+    CHECK(depth["rect"] == view["rect"]);
+    CHECK(depth["range"] == json::array({0.0, 1.0}));
+    CHECK(depth["near"] > 0);
+    CHECK(depth["near"] < depth.value("far", 1e9));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("hundreds of frames are handed over as they were asked for") {
+  XrSetup setup;
+  Visitor visitor(setup);
+  RemoteState state = lookingAhead();
+  visitor.move(state);
+  visitor.waitForScene();
+  for (int i = 0; i < 30; ++i) {
+    const double t = 0.2 * i;
+    state.head.position = {0.3 * std::sin(t), 1.6 + 0.1 * std::cos(t), 0.2 * std::sin(2 * t)};
+    state.head.rotation = glm::angleAxis(0.5 * std::sin(t), glm::normalize(glm::dvec3(0.2, 1, 0.1)));
+    visitor.move(state);
+    visitor.pass(4);
+  }
+  const json report = visitor.leave();
+  CHECK(report["losses"] == 0);
+  const std::vector<json> frames = shownFrames(setup);
+  REQUIRE(frames.size() >= 200);
+  for (const json& frame : frames) checkFrame(frame, "STAGE");
+  // The head was somewhere else all the time, and the last place has come.
+  const json& last = frames.back()["layers"][0]["views"][0];
+  const glm::dvec3 eye = state.head.position + state.head.rotation * state.eyes[0].pose.position;
+  for (int k = 0; k < 3; ++k) CHECK(last["pose"][std::size_t(k)].get<double>() == Approx(eye[k]).margin(1e-5));
+  CHECK(last["fov"][0].get<double>() == Approx(state.eyes[0].fov.left));
+  CHECK(last["pose"] != frames[frames.size() / 2]["layers"][0]["views"][0]["pose"]);
+  CHECK(setup.states() == "IDLE READY SYNCHRONIZED VISIBLE FOCUSED VISIBLE SYNCHRONIZED STOPPING IDLE EXITING");
+}
+
+TEST_CASE("colour goes into a format that is decoded as sRGB, though another is offered first") {
+  XrSetup setup;
+  Visitor visitor(setup, {"--frames", "3"});
+  CHECK(visitor.finish().code == 0);
+  std::vector<json> swapchains = setup.record();
+  std::erase_if(swapchains, [](const json& line) { return line.value("width", 0) != 320; });  // the eyes' own
+  REQUIRE(swapchains.size() == 2);
+  CHECK((swapchains[0]["format"] == 43 || swapchains[0]["format"] == 50));
+  CHECK((swapchains[1]["format"] == 126 || swapchains[1]["format"] == 130));  // depth as floats
+  for (const json& one : swapchains) {
+    CHECK(one["layers"] == 2);
+    CHECK(one["samples"] == 1);
+  }
+}

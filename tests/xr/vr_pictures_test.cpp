@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// The eyes' pictures: what is in the images that the runtime gets, what a screenshot keeps, and what `ibr render
+// --stereo` draws of the same poses are the same.
+#include "io/image_file.h"
+#include "vr_harness.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using nlohmann::json;
+
+namespace {
+
+bool isEmpty(const Image8& image) {
+  return std::ranges::all_of(image.values, [&](std::uint8_t v) { return v == image.values[0]; });
+}
+
+struct Asked {
+  std::vector<std::string> headset, renderer;  // options of ibr-vr alone, and of ibr render too
+  std::string faults;
+  int tolerance = 0;
+};
+
+bool same(const Image8& a, const Image8& b, int tolerance) {
+  return a.width == b.width &&
+         std::ranges::equal(a.values, b.values, [&](int p, int q) { return std::abs(p - q) <= tolerance; });
+}
+
+void checkPictures(const RemoteState& state, const Asked& asked) {
+  XrSetup setup(asked.faults);
+  setup.readPictures();
+  std::vector<std::string> words{"--no-governor", "--frames", "60", "--screenshot", setup.folder() / "shot.png"};
+  for (const auto* more : {&asked.headset, &asked.renderer}) words.insert(words.end(), more->begin(), more->end());
+  Visitor visitor(setup, words);
+  visitor.move(state);
+  visitor.waitForScene();
+  visitor.pass(15);
+  const std::vector<Image8> shown = setup.pictures(visitor.program());
+  REQUIRE(shown.size() == 2);
+  REQUIRE(visitor.finish().code == 0);
+  const fs::path left = setup.folder() / "shot_l.png", right = setup.folder() / "shot_r.png";
+  const std::array kept{readImage(left), readImage(right)};
+  const std::array again = drawnAgain(setup, left, right, setup.folder() / "again", asked.renderer);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    INFO("eye " << eye);
+    CHECK(!isEmpty(kept[eye]));
+    CHECK((kept[eye].values == shown[eye].values));
+    CHECK(same(kept[eye], again[eye], asked.tolerance));
+  }
+  CHECK((kept[0].values != kept[1].values));
+}
+
+}  // namespace
+
+TEST_CASE("both eyes' pictures are what ibr render draws of their poses") {
+  RemoteState state = lookingAhead({0.1, 1.65, 0.05});
+  state.head.rotation = glm::angleAxis(0.2, glm::normalize(glm::dvec3(0.3, 1, 0.2)));
+  checkPictures(state, {.headset = {"--no-floor"}});
+}
+
+TEST_CASE("so they are with all that a runtime may lack") {
+  checkPictures(lookingAhead(), {.headset = {"--no-floor"},
+                                 .faults = "no-array,odd-size=333x217,no-stage,formats=50,hide=XR_KHR_composition_"
+                                           "layer_depth:XR_KHR_visibility_mask"});
+}
+
+TEST_CASE("a scale puts the eyes further apart, and other settings are kept") {
+  checkPictures(lookingAhead(), {.headset = {"--scale", "2", "--no-floor"}, .renderer = {"--blend", "dither"}});
+}
+
+TEST_CASE("the floor lies where ibr render draws it") {
+  // Its lines are no photographs' bytes: where a format encodes them as sRGB they are rounded otherwise.
+  RemoteState state = lookingAhead();
+  state.head.rotation = glm::angleAxis(-0.5, glm::dvec3(1, 0, 0));
+  checkPictures(state, {.tolerance = 1});
+}
