@@ -2,12 +2,12 @@
 // How a person moves through a place: by teleport to photographed spots, turns in steps, and smoothly if they ask.
 //
 // A pure state machine: no clock, no OpenXR. Nothing moves that nobody asked for: without input the tracking stays as
-// it is to the last bit. Without a head nothing moves at all. What a step is given that is not finite counts
-// as not given.
+// it is to the last bit. Without a head nothing moves at all. What is not finite in a step's input counts as not given.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -30,7 +30,7 @@ WalkPlace walkPlace(std::vector<Spot> spots, glm::dvec3 up, double unitsPerMetre
 
 /// All finite.
 struct WalkSettings {
-  double snapTurn = 0.5235987755982988;  // radians of one turn, 30°; 0: the stick does not turn
+  double snapTurn = std::numbers::pi / 6;  // radians of one turn; 0: the stick does not turn
   bool smoothMotion = false;
   double metresPerSecond = 1.4;         // with the stick all the way
   double vignette = 0.8;                // strength at full speed, 0 to 1
@@ -63,7 +63,7 @@ enum class FadePhase : std::uint8_t { clear, out, in };
 
 /// What holds from step to step. Made by startWalk.
 struct WalkState {
-  static constexpr int kUnseen = 2;
+  static constexpr int kUnseen = 2;  // of turnedTo: it may have been pushed before anybody looked
   struct HandState {
     enum class Select : std::uint8_t { unknown, free, aiming, panel };
     Select select = Select::unknown;  // unknown: it was held before it was first seen

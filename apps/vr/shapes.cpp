@@ -20,13 +20,13 @@ constexpr double kLeastAngle = 0.012;                            // radians that
 constexpr double kEdge = 1000;                                   // a tangent beyond any field of view
 constexpr double kWidest = 1.7, kNarrowest = 0.364;              // tangents of a vignette's opening
 constexpr double kRim = 1.5;                                     // of the opening: there it is black
-constexpr double kGridRadius = 4, kGridStep = 0.5;               // m
+constexpr double kGridRadius = 6, kGridStep = 0.5;               // m
 
 struct Colour {
   double red = 1, green = 1, blue = 1, alpha = 1;
 };
 constexpr Colour kMark{0.75, 0.9, 1, 0.55}, kPointed{1, 0.8, 0.25, 0.95}, kHand{0.85, 0.87, 0.9, 1};
-constexpr Colour kHandDark{0.45, 0.48, 0.52, 1}, kBeam{0.75, 0.9, 1, 0.6}, kGrid{0.6, 0.7, 0.8, 0.5};
+constexpr Colour kHandDark{0.45, 0.48, 0.52, 1}, kBeam{0.75, 0.9, 1, 0.6}, kGrid{0.6, 0.7, 0.8, 0.9};
 
 std::uint32_t packed(const Colour& colour, double opacity = 1) {
   const auto byte = [](double value) { return std::uint32_t(std::lround(255 * std::clamp(value, 0.0, 1.0))); };
@@ -163,22 +163,22 @@ void addVignette(Shapes& shapes, double strength) {
 }
 
 void addFloorGrid(Shapes& shapes, const Pose& head) {
-  const double thin = 0.004;
-  const std::uint32_t clear = packed(kGrid, 0);
-  const double x0 = kGridStep * std::round(head.position.x / kGridStep);
-  const double z0 = kGridStep * std::round(head.position.z / kGridStep);
-  const int lines = int(kGridRadius / kGridStep);
-  const auto half = [&](glm::dvec3 middle, glm::dvec3 along, glm::dvec3 side, double share) {
-    addBand(shapes.inSpace, {middle - thin * side, middle + thin * side},
-            {middle + along - thin * side, middle + along + thin * side}, packed(kGrid, share), clear);
+  const double thin = 0.006;
+  const glm::dvec3 x(1, 0, 0), z(0, 0, 1), feet(head.position.x, 0, head.position.z);
+  // A line across `side`, brightest where it passes the feet.
+  const auto line = [&](glm::dvec3 along, glm::dvec3 side, double offset) {
+    if (!(std::abs(offset) < kGridRadius)) return;
+    const glm::dvec3 middle = feet + offset * side;
+    const double reach = std::sqrt(kGridRadius * kGridRadius - offset * offset);
+    const std::uint32_t bright = packed(kGrid, 1 - std::abs(offset) / kGridRadius), clear = packed(kGrid, 0);
+    for (const glm::dvec3& end : {middle - reach * along, middle + reach * along})
+      addBand(shapes.inSpace, {middle - thin * side, middle + thin * side}, {end - thin * side, end + thin * side},
+              bright, clear);
   };
-  for (int i = -lines + 1; i < lines; ++i) {
-    const double offset = i * kGridStep, reach = std::sqrt(kGridRadius * kGridRadius - offset * offset);
-    const double share = 1 - std::abs(offset) / kGridRadius;
-    for (const double way : {-reach, reach}) {
-      half({x0 + offset, 0, z0}, {0, 0, way}, {1, 0, 0}, share);
-      half({x0, 0, z0 + offset}, {way, 0, 0}, {0, 0, 1}, share);
-    }
+  const int lines = int(kGridRadius / kGridStep) + 1;
+  for (int i = -lines; i <= lines; ++i) {
+    line(z, x, kGridStep * (std::round(feet.x / kGridStep) + i) - feet.x);
+    line(x, z, kGridStep * (std::round(feet.z / kGridStep) + i) - feet.z);
   }
 }
 
@@ -189,7 +189,7 @@ void addProgressRing(Shapes& shapes, const Pose& head, std::optional<double> pro
   const bool known = progress && std::isfinite(*progress);
   const double turn = std::fmod(seconds, 2.0) / 2 * kTau;
   const double from = known ? 0 : turn, to = known ? kTau * std::clamp(*progress, 0.0, 1.0) : turn + kTau / 4;
-  const std::uint32_t dim = packed(kGrid, 0.5), bright = packed(kMark, 1.5);
+  const std::uint32_t dim = packed(kGrid, 0.3), bright = packed(kMark, 1.5);
   addAnnulus(shapes.inSpace, ring, 0, kTau, 48, dim, dim);
   if (to > from) addAnnulus(shapes.inSpace, ring, from, to, 48, bright, bright);
 }
