@@ -201,6 +201,9 @@ void Headset::makeVulkanDevice(const HeadsetOptions& options) {
   vk(result, "vkCreateDevice, by the OpenXR runtime");
   device_.reset(device);
   vkGetDeviceQueue(device, queueFamily_, 0, &queue_);
+  VkPhysicalDeviceProperties properties{};
+  vkGetPhysicalDeviceProperties(physicalDevice_, &properties);
+  pipelines_.emplace(device, properties, options.pipelineCache, messages_);
 }
 
 XrGraphicsBindingVulkan2KHR Headset::binding() const noexcept {
@@ -221,6 +224,7 @@ Device Headset::device(LogCallback log) {
                         .queueFamily = queueFamily_,
                         .optionalFeatures = optionalFeatures_,
                         .log = std::move(log),
+                        .pipelineCache = pipelines_->get(),
                         .queueMutex = &queueMutex_,
                         .validationMessages = &messages_.validationMessages()});
 }

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "gpu/pipeline_cache.h"
 #include "gpu/validation.h"
 #include "ibr/device.h"
 #include "vr/openxr.h"
@@ -20,6 +22,7 @@ struct HeadsetOptions {
   bool validation = false;                      // Vulkan's
   std::vector<std::string> instanceExtensions;  // of Vulkan, further ones: those of a window
   std::vector<std::string> deviceExtensions;    // likewise, where the device has them
+  std::filesystem::path pipelineCache;          // file, as DeviceOptions has it; empty: none
   LogCallback log;                              // from any thread
 };
 
@@ -74,6 +77,7 @@ class Headset {
   std::unique_ptr<VkDevice_T, DestroyDevice> device_;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queueFamily_ = 0;
+  std::optional<PipelineCache> pipelines_;
   DeviceFeatures optionalFeatures_;  // that are on
   std::mutex queueMutex_;
 };

@@ -22,6 +22,7 @@ namespace ibr::app {
 namespace {
 
 constexpr const char* kName = "ibr-vr";
+constexpr int kMostLosses = 3;  // in a row, of a headset that lasts less than 10 s
 
 struct Options {
   CommonOptions common;
@@ -30,7 +31,7 @@ struct Options {
   std::string screenshot, screenshots = picturesFolder().string(), log, space = "auto";
   double snapDegrees = 30;
   int frames = 0, screenshotEvery = 0;
-  bool noFloor = false, noGovernor = false, noMirror = false;
+  bool noFloor = false, noGovernor = false, noMirror = false, forget = false;
 };
 
 void addNumber(CLI::App& app, const std::string& name, double& value, double low, double high,
@@ -64,6 +65,7 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("DIR");
   app.add_flag("--no-mirror", o.noMirror, "No window that shows what the left eye sees");
   app.add_flag("--no-governor", o.noGovernor, "Draws all that is asked for, also where frames are missed");
+  app.add_flag("--forget", o.forget, "No pipelines are taken from the last time or kept for the next");
   app.add_flag("--validation", o.vr.validation, "Vulkan's validation layers say what is wrong");
   addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "")->group("");  // for tests
   inGroup(app, "Comfort", [&] { declareComfort(app, o); });
@@ -86,6 +88,8 @@ void take(Options& o) {
   o.vr.floor = !o.noFloor;
   o.vr.governed = !o.noGovernor;
   o.vr.mirror = !o.noMirror;
+  if (const fs::path cache = o.forget ? fs::path() : cacheFolder(); !cache.empty())
+    o.vr.pipelineCache = cache / "vr-pipelines.bin";
 }
 
 // Headset, runtime or device may be lost and come back; what is lost again and again is not there.
@@ -100,9 +104,9 @@ void visitAll(Visit& visit) {
             show.validationMessages());
       return;
     } catch (const Error& e) {
-      ++visit.losses;
       losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
-      if (e.code() != ErrorCode::deviceLost || losses > 3 || interrupted()) throw;
+      if (e.code() != ErrorCode::deviceLost || losses > kMostLosses || interrupted()) throw;
+      ++visit.losses;
       visit.context.say(LogLevel::warning, "The headset was lost; everything is set up again. {}", e.what());
     }
   }

@@ -25,7 +25,8 @@ constexpr double kFloorSpacing = 0.5;                                       // m
 constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; behind the grid
 
 HeadsetOptions headsetOptions(const Visit& visit) {
-  HeadsetOptions options{.validation = visit.options.validation, .log = visit.context.log()};
+  HeadsetOptions options{
+      .validation = visit.options.validation, .pipelineCache = visit.options.pipelineCache, .log = visit.context.log()};
   if (!visit.window) return options;
   options.instanceExtensions = Window::instanceExtensions();
   options.deviceExtensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
@@ -131,6 +132,7 @@ void Show::walk(double seconds) {
   walked_ = step(*visit_.walk, place_->files().walk, visit_.walking, input);
   for (const Hand hand : {kLeft, kRight})
     if (walked_.jumped && input_[hand].active) hands_.buzz(session_, hand);
+  if (walked_.jumped) place_->forgetFrames();
   obeyMenu(seconds);
   if (nextPlace_ && walked_.fade >= 1) leavePlace();
 }
@@ -258,12 +260,24 @@ void Show::account(const XrMoment& moment, double seconds, double processorMs) {
                   .level = governor_.level,
                   .cells = place_->plan().cells.size(),
                   .missed = missed});
+  tellPace(seconds, std::max(processorMs, ring_.deviceMs()), moment.periodMs);
   if (!visit_.governed) return;
   const Decision decision = govern(
       governor_, {.workMs = std::max(processorMs, ring_.deviceMs()), .periodMs = moment.periodMs, .missed = missed});
   if (decision.reason.empty()) return;
   visit_.log.add(frame, decision.reason);
   say(LogLevel::info, decision.reason);
+}
+
+// So seldom that it can be read.
+void Show::tellPace(double seconds, double workMs, double periodMs) {
+  constexpr double kSeconds = 0.5;
+  paceSeconds_ += seconds;
+  if (paceSeconds_ < kSeconds) return;
+  paceSeconds_ = 0;
+  pace_ = fmt::format("{:.1f} ms of {:.1f} ms a frame, {} cells", workMs, periodMs, place_->plan().cells.size());
+  if (governor_.level > 0 && visit_.governed)
+    pace_ += fmt::format(", {} of {} steps down", governor_.level, governor_.levels.size() - 1);
 }
 
 // ---- The window beside the headset

@@ -53,6 +53,7 @@ class Show {
   void obeyMenu(double seconds);
   void standAnew();
   void account(const XrMoment& moment, double seconds, double processorMs);
+  void tellPace(double seconds, double workMs, double periodMs);
   bool wantsPicture() const;
   void writePictures(const std::vector<Camera>& eyes);
 
@@ -95,7 +96,8 @@ class Show {
   std::optional<std::size_t> goTo_;  // wished for by the menu, for the next step
   double scale_ = 1;                 // likewise
   SpotMap map_;                      // of the place
-  std::string line_;                 // the menu's, of what is happening
+  std::string pace_, trouble_;       // lines for the menu: how frames go, why a place is not shown
+  double paceSeconds_ = 0;           // since the former was written
   std::optional<SessionEvents::Recentred> recentring_;
   XrTime lastTime_ = 0;
   double loadingSeconds_ = 0;

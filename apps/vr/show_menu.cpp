@@ -24,7 +24,7 @@ MenuModel Show::menuModel() const {
   model.snapDegrees = visit_.walking.snapTurn * 180 / std::numbers::pi;
   if (session_.spaceKind() == SpaceKind::local) model.eyeHeight = visit_.eyeHeight;
   if (options().governed) model.governor = visit_.governed;
-  model.line = line_;
+  model.line = trouble_.empty() ? pace_ : trouble_;
   return model;
 }
 

@@ -38,7 +38,7 @@ void Show::takeLoaded() {
   } catch (const Error& e) {
     if (e.code() == ErrorCode::deviceLost || !formerPlace_) throw;
     say(LogLevel::error, e.what());
-    line_ = e.what();
+    trouble_ = e.what();
     visit_.current = *std::exchange(formerPlace_, std::nullopt);
     beginLoading();
   }
@@ -53,7 +53,10 @@ void Show::settle(std::unique_ptr<StereoPlace> place) {
         fmt::format("{}: the photographs were held in too many ways to tell where up is", files.path.string()));
   governor_ = startGovernor(ladder(options().settings, files.scene.cells.size(), files.scene.backdrops.size()));
   map_ = mapOf(files.walk.spots, files.walk.up);
-  if (!visit_.walk) visit_.walk = startWalk(files.walk, visit_.walking, 0);
+  if (!visit_.walk)
+    visit_.walk = startWalk(files.walk, visit_.walking, 0);
+  else
+    recentred(*visit_.walk, std::nullopt);  // a headset that was lost may have its space elsewhere now
 }
 
 // All is black.
@@ -62,6 +65,7 @@ void Show::leavePlace() {
   place_.reset();
   visit_.walk.reset();
   menu_.close();
+  trouble_.clear();
   formerPlace_ = visit_.current;
   visit_.current = *std::exchange(nextPlace_, std::nullopt);
   beginLoading();

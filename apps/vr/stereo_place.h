@@ -55,8 +55,10 @@ class StereoPlace {
   void record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
               const RenderSettings& settings, std::span<const Target> targets);
 
+  /// The eyes are elsewhere, and nobody saw how: what is drawn next owes nothing to what was drawn before.
+  void forgetFrames() { plan_ = {}; }
+
   const FramePlan& plan() const noexcept { return plan_; }  // of the last frame
-  bool streaming() const noexcept { return streamed_.waiting > 0; }
 
  private:
   Device device_;
@@ -65,7 +67,6 @@ class StereoPlace {
   RendererOptions rendererOptions_;
   std::optional<Renderer> renderer_;
   FramePlan plan_;
-  GpuScene::Streamed streamed_;
 };
 
 }  // namespace ibr::app

@@ -28,10 +28,11 @@ struct VrOptions {
   bool governed = true;            // the frame governor may draw less
   bool mirror = true;              // a window that shows the left eye, where there is a display
   bool validation = false;
-  std::uint64_t frames = 0;           // to show before it ends; 0: until the user leaves
-  std::filesystem::path screenshot;   // of both eyes, written at the end; empty: none
-  std::filesystem::path screenshots;  // folder for those that are asked for
-  std::uint64_t screenshotEvery = 0;  // frames from one that nobody asks for to the next, for tests; 0: none
+  std::filesystem::path pipelineCache;  // file; empty: none
+  std::uint64_t frames = 0;             // to show before it ends; 0: until the user leaves
+  std::filesystem::path screenshot;     // of both eyes, written at the end; empty: none
+  std::filesystem::path screenshots;    // folder for those that are asked for
+  std::uint64_t screenshotEvery = 0;    // frames from one that nobody asks for to the next, for tests; 0: none
 };
 
 struct Visit {
