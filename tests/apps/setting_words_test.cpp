@@ -82,9 +82,9 @@ TEST_CASE("overlays and chosen cells come back from their words") {
     GpuSceneOptions gpuScene;
     declareGpuScene(app, gpuScene);
     declareOverlays(app, again);
-    Json words = pictureSettingsJson(settings, {}, 0);
+    Json words = pictureSettingsJson(settings, {}, std::nullopt);
     parse(app, settingWords(words));
-    CHECK(pictureSettingsJson(again, gpuScene, 0) == words);
+    CHECK(pictureSettingsJson(again, gpuScene, std::nullopt) == words);
     CHECK(again.overlay == settings.overlay);
     CHECK(again.mutedCells == settings.mutedCells);
     CHECK(again.soloCells == settings.soloCells);
