@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kMostLosses = 3;                       // of the surface, one after the other
 constexpr std::uint64_t kLongestWait = 500'000'000;  // ns, for an image: a hidden window may never give one
+constexpr int kRest = 20;                            // calls of `begin`
 constexpr auto kForever = std::numeric_limits<std::uint64_t>::max();
 
 // What windows show: the better, the earlier.
@@ -51,6 +52,10 @@ std::vector<VkPresentModeKHR> presentModes(VkPhysicalDevice device, VkSurfaceKHR
 bool isSrgb(VkFormat format) {
   return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_R8G8B8A8_SRGB ||
          format == VK_FORMAT_A8B8G8R8_SRGB_PACK32;
+}
+
+bool same(VkExtent2D a, VkExtent2D b) {
+  return a.width == b.width && a.height == b.height;
 }
 
 SemaphoreHandle makeSemaphore(const Device& device) {
@@ -210,11 +215,20 @@ void Swapchain::makeImages() {
   outdated_ = false;
 }
 
+bool Swapchain::rests(VkExtent2D wanted) noexcept {
+  rested_ = same(wanted, wanted_) ? rested_ + 1 : 0;
+  wanted_ = wanted;
+  return rested_ >= kRest;
+}
+
 std::optional<Swapchain::Frame> Swapchain::begin() {
   const VkExtent2D wanted = window_.pixels();
   if (wanted.width == 0 || wanted.height == 0) return std::nullopt;
   if (lost_) replaceSurface();
-  if (outdated_ || wanted.width != madeFor_.width || wanted.height != madeFor_.height) makeImages();
+  const bool stale = outdated_ || !same(wanted, madeFor_), rested = rests(wanted);
+  // Making images waits for the device: not at each step of a window that is being resized, where nothing may wait.
+  if (stale && !rested && options_.pace == Pace::whenever && generation_ > 0) return std::nullopt;
+  if (stale) makeImages();
   if (images_.empty()) return std::nullopt;
   const Slot& slot = slots_[slot_];
   const VkFence done = slot.done.get();

@@ -73,8 +73,9 @@ class Swapchain {
   static constexpr ImageUse kBefore{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_NONE};
   static constexpr ImageUse kAfter = use::kTransferSource;
 
-  /// nullopt: not now. Waits for the device, at any pace, where the window has changed and images are made anew. Throws
-  /// Error: outOfMemory; deviceLost, also where the surface is lost again and again.
+  /// nullopt: not now. Waits for the device, at any pace, where the window has changed and images are made anew; where
+  /// the pace is `whenever`, that is once the window has rested for some calls. Throws Error: outOfMemory; deviceLost,
+  /// also where the surface is lost again and again.
   std::optional<Frame> begin();
   /// Submits and shows it. Says whether it is shown: the window may have changed or be hidden meanwhile, or have no
   /// image free where the pace is `whenever`.
@@ -108,6 +109,7 @@ class Swapchain {
   void replaceSurface();
   void makeImages();
   void drop() noexcept;
+  bool rests(VkExtent2D wanted) noexcept;
   bool goesOn(VkResult result, const char* call);
   std::optional<std::uint32_t> acquire(const Slot& slot);
   void recordCopy(VkCommandBuffer commands, VkImage image) const;
@@ -120,6 +122,8 @@ class Swapchain {
   Format format_{};
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
   VkExtent2D madeFor_{0, 0};  // when the images were made
+  VkExtent2D wanted_{0, 0};   // by the window, at the last call of `begin`
+  int rested_ = 0;            // such calls since it has changed
   VkExtent2D extent_{0, 0};   // of the images
   std::vector<VkImage> images_;
   std::vector<SemaphoreHandle> rendered_;  // by image

@@ -128,6 +128,31 @@ TEST_CASE("a window that waits for nothing gives no frame while the device is bu
   swapchain.abandon(*frame);
 }
 
+TEST_CASE("a window that waits for nothing is fitted to another size once it rests") {
+  if (!displayIsThere()) return;
+  Shown shown(Pace::whenever);
+  const auto first = shown.swapchain.begin();
+  REQUIRE(first);
+  shown.swapchain.abandon(*first);
+  const std::uint64_t generation = shown.swapchain.generation();
+  const auto resize = [&](const char* width, const char* height) {
+    xdotool({"windowsize", "--sync", numberOf("swapchain ibr"), width, height});
+  };
+  for (int step = 0; step < 4; ++step) {
+    resize(step % 2 ? "260" : "280", "180");
+    for (int i = 0; i < 5; ++i) CHECK_FALSE(shown.swapchain.begin());
+  }
+  CHECK(shown.swapchain.generation() == generation);
+  resize("300", "160");
+  int calls = 0;
+  std::optional<Swapchain::Frame> frame;
+  for (; !frame && calls < 100; ++calls) frame = shown.swapchain.begin();
+  REQUIRE(frame);
+  CHECK(calls > 10);
+  CHECK((frame->extent.width == 300 && frame->extent.height == 160));
+  shown.swapchain.abandon(*frame);
+}
+
 TEST_CASE("a window leaves the queue to whoever holds its mutex") {
   if (!displayIsThere()) return;
   Shown shown(Pace::refresh);
