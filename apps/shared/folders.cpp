@@ -39,7 +39,7 @@ fs::path namedByUser() {
       value.erase(0, home.size());
       return value.empty() ? fs::path() : fromEnvironment("HOME") / value;
     }
-    return fs::path(value).is_absolute() ? fs::path(value) : fs::path();
+    return value;
   }
   return {};
 }
