@@ -121,12 +121,21 @@ std::unique_ptr<Window> mirrorWindow(const Context& context) try {
   return nullptr;
 }
 
+double unitsPerMetre(const Visit& visit) {
+  return visit.walk ? visit.walk->tracking.unitsPerMetre : visit.options.unitsPerMetre;
+}
+
 std::string report(const Visit& visit, const nlohmann::ordered_json& summary) {
   using Json = nlohmann::ordered_json;
   Json pictures = Json::array();
   for (const fs::path& file : visit.pictures) pictures.push_back(file.string());
-  return Json{{"headset", visit.headset}, {"eyes", visit.eyes}, {"place", visit.options.places[visit.current].string()},
-              {"losses", visit.losses},   {"frames", summary},  {"pictures", std::move(pictures)}}
+  return Json{{"headset", visit.headset},
+              {"eyes", visit.eyes},
+              {"place", visit.options.places[visit.current].string()},
+              {"unitsPerMetre", unitsPerMetre(visit)},
+              {"losses", visit.losses},
+              {"frames", summary},
+              {"pictures", std::move(pictures)}}
       .dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -145,6 +154,7 @@ ExitCode run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     checkOverlays(o.vr.settings);
+    if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");
     if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot wants --frames");
   } catch (const CLI::Success& e) {
     std::fputs(
@@ -168,6 +178,8 @@ ExitCode run(int argc, char** argv) {
   const std::unique_ptr<Window> window = o.vr.mirror ? mirrorWindow(context) : nullptr;
   visit.window = window.get();
   visitAll(visit);
+  if (unitsPerMetre(visit) != o.vr.unitsPerMetre)
+    context.say(LogLevel::info, "the scale came to --scale {:.4g}", unitsPerMetre(visit));
   context.report(report(visit, log.finish()));
   return interrupted() ? kExitInterrupted : kExitOk;
 }
