@@ -5,12 +5,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/floor.h"
+#include "shared/hidden_area.h"
 
 layout(constant_id = 0) const bool kEncodedByTarget = false;  // an SRGB format
 layout(constant_id = 1) const bool kFormer = false;           // a switch is being mixed
 layout(constant_id = 2) const bool kFill = false;
 layout(constant_id = 3) const bool kScaled = false;  // the canvas's picture has another size than the target
 layout(constant_id = 4) const bool kFloor = false;
+layout(constant_id = 5) const bool kHidden = false;  // there is a hidden area
 
 layout(set = 0, binding = 0) uniform sampler2D canvas;
 layout(set = 0, binding = 1) uniform sampler2D formerCanvas;  // the picture of the order before a switch
@@ -56,8 +58,10 @@ vec4 shownAt(ivec2 pixel, vec4 back) {
   return kFormer ? vec4(mix(now.rgb, texel(formerCanvas, pixel, now).rgb, formerWeight), now.a) : now;
 }
 
-// Colours are interpolated, what is empty between them too; a tier code is the nearest pixel's.
+// Colours are interpolated, what is empty between them too, but nothing that is hidden; a tier code is the nearest
+// pixel's.
 vec4 picture(vec2 at, vec4 back) {
+  if (kHidden && isHidden(texelFetch(canvas, ivec2(at), 0).a)) return vec4(background, 0.0);
   vec4 shown = shownAt(ivec2(at), back);
   if (kScaled) {
     const ivec2 low = ivec2(floor(at - 0.5)), last = ivec2(canvasExtent) - 1;
@@ -66,7 +70,9 @@ vec4 picture(vec2 at, vec4 back) {
     for (int y = 0; y < 2; ++y)
       for (int x = 0; x < 2; ++x) {
         const float weight = (x == 0 ? 1.0 - share.x : share.x) * (y == 0 ? 1.0 - share.y : share.y);
-        sum += weight * shownAt(clamp(low + ivec2(x, y), ivec2(0), last), back).rgb;
+        const ivec2 pixel = clamp(low + ivec2(x, y), ivec2(0), last);
+        const bool hidden = kHidden && isHidden(texelFetch(canvas, pixel, 0).a);
+        sum += weight * (hidden ? shown.rgb : shownAt(pixel, back).rgb);
       }
     shown.rgb = sum;
   }

@@ -1,8 +1,10 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// One level of pulling: shared/fill.h. The finest source is the canvas, where alpha is a tier code and 0 means empty.
+// One level of pulling: shared/fill.h. The finest source is the canvas, where alpha is a tier code and 0 means empty;
+// what is hidden counts as empty.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/fill.h"
+#include "shared/hidden_area.h"
 
 layout(local_size_x = kFillGroup, local_size_y = kFillGroup) in;
 layout(constant_id = 0) const bool kFromCanvas = false;
@@ -23,7 +25,7 @@ void main() {
       const ivec2 at = 2 * pixel + ivec2(i, j);
       if (at.x >= fine.x || at.y >= fine.y) continue;
       const vec4 value = texelFetch(source, at, 0);
-      const float w = kFromCanvas ? (value.a > 0.0 ? 1.0 : 0.0) : value.a;
+      const float w = kFromCanvas ? (isDrawn(value.a) ? 1.0 : 0.0) : value.a;
       sum += w * value.rgb;
       weight += w;
     }

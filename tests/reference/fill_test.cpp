@@ -103,6 +103,38 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
   }
 }
 
+TEST_CASE("what is hidden is filled with nothing and gives nothing to what is filled") {
+  const Stage stage(testDevice(), makeScene(place(3)));
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.4);
+  const auto rendered = [&](int lowestTier) {
+    RenderSettings settings = withTiers();
+    settings.lowestTier = lowestTier;
+    settings.background = {0, 0.4f, 1};
+    RendererOptions options = optionsFor(settings, {320, 240});
+    // Half of what is drawn and of what is not.
+    options.hiddenArea[0] = {{-9, 0}, {9, 0}, {0, 9}};
+    const Renderer renderer(testDevice(), stage.gpuScene(), options);
+    Offscreen offscreen(testDevice(), {320, 240});
+    const FramePlan plan = stage.plan(view, settings);
+    return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
+  };
+  const Image8 empty = rendered(kTierBackdrop), picture = rendered(kTierFilled);
+  const Level twin = filled(empty);
+  int wrong = 0, holes = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const auto pixel = picture.pixel(x, y);
+      const bool hidden = y < 120, hole = !hidden && empty.pixel(x, y)[3] == 0;
+      holes += hole;
+      wrong += hidden != (pixel[3] == 0) || hole != (pixel[3] == 63);
+      for (std::size_t c = 0; c < 3; ++c)
+        wrong += hidden ? pixel[c] != std::array{0, 102, 255}[c]
+                        : std::abs(pixel[c] - 255 * twin.at(x, y)[int(c)]) > (hole ? 3.0 : 0.5);
+    }
+  CHECK(holes > 1000);
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a picture with nothing in it shows the background") {
   const Stage stage(testDevice(), makeScene(place(2)));
   RenderSettings settings = withTiers();

@@ -187,6 +187,7 @@ TEST_CASE("what a scene costs is what stands in the table") {
     CHECK(counted.bytes.parameters == row.expected.bytes.parameters);
     CHECK(counted.bytes.noise == row.expected.bytes.noise);
     CHECK(counted.bytes.uncertainties == row.expected.bytes.uncertainties);
+    CHECK(counted.bytes.hiddenArea == 0);
     CHECK(counted.workingBytes >= counted.bytes.canvases + counted.bytes.fill);
   }
 }

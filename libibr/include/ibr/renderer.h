@@ -302,6 +302,13 @@ struct RendererOptions {
   std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
   bool dissolve = true;     // opacities may be below 1: false only where fadeShare and switchSeconds are 0
   double largestScale = 0;  // of RenderSettings::renderScale; 0: all is drawn at the target's size
+  /// By view: triangles (three corners each, of any orientation) in tangents, x right and y up at z = −1 of the camera,
+  /// whose pixels nobody sees, as a headset's lenses leave them out (OpenXR's XR_KHR_visibility_mask). Nothing is drawn
+  /// or filled there: the background shows, alpha is as where nothing is, and depth is far. Pixels outside are as
+  /// without it, but that nothing is filled or interpolated from the pixels inside. Plans of DrawOrder::paper and of
+  /// the paper's ways of colour mapping pay no heed, nor does recordBuffers, nor the count of colours. Throws
+  /// Error{invalidInput} where corners are not in threes, or further out than 10⁶ or not finite.
+  std::array<std::vector<glm::vec2>, 2> hiddenArea;
 };
 
 /// What these settings need, and nothing else.
@@ -341,7 +348,7 @@ class Renderer {
     std::uint32_t passes = 0, draws = 0, dispatches = 0;  // of the frame
     std::uint64_t triangles = 0;                          // of its draws
     struct Bytes {                                        // asked for, without a device's alignment
-      std::uint64_t canvases = 0, fill = 0, colours = 0, parameters = 0, noise = 0, uncertainties = 0;
+      std::uint64_t canvases = 0, fill = 0, colours = 0, parameters = 0, noise = 0, uncertainties = 0, hiddenArea = 0;
       bool operator==(const Bytes&) const = default;
     } bytes;
   };

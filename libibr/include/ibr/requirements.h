@@ -29,6 +29,7 @@ struct Requirements {
   bool fill = false, depth = false;
   bool multiview = false;  // a canvas for both eyes, where the device draws them at once
   bool buffers = false, floor = false;
+  bool hiddenArea = false;  // there are pixels that nobody sees
   std::vector<Overlay> overlays;
   bool colourTables = false, colourSequence = false;  // tables at all; the paper's way to them
   std::uint32_t steps = 0;                            // draws of a picture, at most

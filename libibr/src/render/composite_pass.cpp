@@ -28,7 +28,7 @@ struct Constants {
 static_assert(sizeof(Constants) == 96);
 
 struct Variant {  // specialisation constants
-  VkBool32 srgb, former, fill, scaled, floor;
+  VkBool32 srgb, former, fill, scaled, floor, hidden;
 };
 
 glm::vec2 vectorOf(VkExtent2D extent) {
@@ -42,7 +42,7 @@ bool CompositePass::supports(VkFormat format) noexcept {
 }
 
 CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former,
-                             const FillPass* fill, const RendererOptions& options) {
+                             const FillPass* fill, const RendererOptions& options, bool hidden) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
   VkSamplerCreateInfo linear = nearest;
@@ -71,12 +71,13 @@ CompositePass::CompositePass(Device& device, const Canvas& canvas, const Canvas*
   const auto require = [&](const Key& key) {
     check(supports(key.format), ErrorCode::unsupported, "renderer: VkFormat {} is not 8-bit RGBA or BGRA",
           int(key.format));
-    constexpr std::array<VkSpecializationMapEntry, 5> kEntries{{{0, offsetof(Variant, srgb), 4},
+    constexpr std::array<VkSpecializationMapEntry, 6> kEntries{{{0, offsetof(Variant, srgb), 4},
                                                                 {1, offsetof(Variant, former), 4},
                                                                 {2, offsetof(Variant, fill), 4},
                                                                 {3, offsetof(Variant, scaled), 4},
-                                                                {4, offsetof(Variant, floor), 4}}};
-    const Variant variant{isSrgb(key.format), key.former, key.filled, key.scaled, key.floor};
+                                                                {4, offsetof(Variant, floor), 4},
+                                                                {5, offsetof(Variant, hidden), 4}}};
+    const Variant variant{isSrgb(key.format), key.former, key.filled, key.scaled, key.floor, hidden};
     GraphicsPipelineInfo info;
     info.vertex = shaders::composite_vert;
     info.fragment = shaders::composite_frag;

@@ -15,9 +15,9 @@ namespace ibr {
 class CompositePass {
  public:
   /// `eyes`: a canvas of two layers that is composed too; `former`: the canvas of the order before a switch; `fill`:
-  /// what shows where nothing was drawn. Null: there is none.
+  /// what shows where nothing was drawn. Null: there is none. `hidden`: there is a hidden area.
   CompositePass(Device& device, const Canvas& canvas, const Canvas* eyes, const Canvas* former, const FillPass* fill,
-                const RendererOptions& options);
+                const RendererOptions& options, bool hidden);
 
   /// Outside a render pass; the canvas has been ended, the former one where formerWeight > 0, and the fill pass was
   /// recorded where `filled`. `source`: as of FillPass; `drawn`: extent of the canvas's picture.

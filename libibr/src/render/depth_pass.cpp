@@ -5,6 +5,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <span>
 
 #include "gpu/barrier.h"
 #include "gpu/descriptors.h"
@@ -33,28 +34,35 @@ bool DepthPass::supports(VkFormat format) noexcept {
   return indexOf(format) < kFormats.size();
 }
 
-DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes) {
+DepthPass::DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes, bool hidden) {
   const VkSamplerCreateInfo nearest{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   sampler_ = make<SamplerHandle>(device, vkCreateSampler, nearest, "vkCreateSampler");
-  const VkDescriptorSetLayoutBinding binding{0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
-                                             VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
-  setLayout_ = makeSetLayout(device, {&binding, 1});
+  std::array<VkDescriptorSetLayoutBinding, 2> bindings{};  // depth and colour
+  for (std::uint32_t i = 0; i < bindings.size(); ++i)
+    bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+  setLayout_ = makeSetLayout(device, bindings);
   const std::vector<CanvasSource> sources = sourcesOf(canvas, eyes);
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, std::uint32_t(sources.size())};
-  pool_ = makeDescriptorPool(device, std::uint32_t(sources.size()), {&size, 1});
+  const auto count = std::uint32_t(sources.size());
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count * std::uint32_t(bindings.size())};
+  pool_ = makeDescriptorPool(device, count, {&size, 1});
   for (const CanvasSource& source : sources) {
     sets_.push_back(allocateSet(device, pool_.get(), setLayout_.get()));
     writeSampledImage(device, sets_.back(), 0, sampler_.get(), source.depth);
+    writeSampledImage(device, sets_.back(), 1, sampler_.get(), source.colour);
   }
   const VkDescriptorSetLayout setLayout = setLayout_.get();
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, {&setLayout, 1}, {&constants, 1});
+  const VkBool32 variant = hidden;
+  const VkSpecializationMapEntry entry{0, 0, sizeof variant};
   for (const VkFormat format : kFormats)
-    pipelines_.push_back(makeGraphicsPipeline(device, {.name = "depth",
-                                                       .vertex = shaders::composite_vert,
-                                                       .fragment = shaders::depth_frag,
-                                                       .layout = layout_.get(),
-                                                       .depthFormat = format}));
+    pipelines_.push_back(
+        makeGraphicsPipeline(device, {.name = "depth",
+                                      .vertex = shaders::composite_vert,
+                                      .fragment = shaders::depth_frag,
+                                      .specialisation = {{&entry, 1}, std::as_bytes(std::span(&variant, 1))},
+                                      .layout = layout_.get(),
+                                      .depthFormat = format}));
 }
 
 void DepthPass::record(VkCommandBuffer commands, std::size_t source, std::uint32_t steps, double nearDistance,

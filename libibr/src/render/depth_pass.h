@@ -14,8 +14,8 @@ namespace ibr {
 
 class DepthPass {
  public:
-  /// `eyes`: a canvas of two layers that is read too; null: there is none.
-  DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes = nullptr);
+  /// `eyes`: a canvas of two layers that is read too; null: there is none. `hidden`: there is a hidden area.
+  DepthPass(const Device& device, const Canvas& canvas, const Canvas* eyes, bool hidden);
 
   /// Outside a render pass; the canvas has been ended. `source`: as of FillPass; `steps`: how many were drawn into it
   /// with our order; `drawn`: extent of the canvas's picture; `extent`: of the target, which takes the nearest.

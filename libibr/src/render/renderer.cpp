@@ -20,6 +20,7 @@
 #include "render/depth_pass.h"
 #include "render/fill_pass.h"
 #include "render/gpu_scene.h"
+#include "render/hidden_area.h"
 #include "render/overlay_pass.h"
 #include "render/steps.h"
 #include "render/uncertainties.h"
@@ -34,15 +35,19 @@ struct Renderer::State {
         canvas(device, scaled(o.largest, canvasScale(o)),
                ColourMapPass::canvasUse(requirements.colourSequence ? ColourSupport::all : ColourSupport::off)) {
     const Requirements& needed = requirements;
+    checkHiddenArea(o.hiddenArea);
     if (needed.switchMixing) former.emplace(device, canvas.largest());
     if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
     if (needed.fill) fill.emplace(device, canvas, eyesOrNull());
     if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kLargestCellCount));
     cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE,
                   eyes ? eyes->renderPass() : VK_NULL_HANDLE);
+    if (needed.hiddenArea)
+      hidden.emplace(device, o.hiddenArea, canvas.renderPass(), eyes ? eyes->renderPass() : VK_NULL_HANDLE);
     if (tables) colours.emplace(device, *tables, *cells, canvas, o);
-    composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o);
-    if (needed.depth) depth.emplace(device, canvas, eyesOrNull());
+    composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o,
+                      needed.hiddenArea);
+    if (needed.depth) depth.emplace(device, canvas, eyesOrNull(), needed.hiddenArea);
     if (const Scene* known = uncertaintiesFor(o)) uncertainties.emplace(device, *known, *scene);
     const Uncertainties* known = uncertainties ? &*uncertainties : nullptr;
     if (!needed.overlays.empty()) overlays.emplace(device, *cells, canvas.renderPass(), o, needed, known);
@@ -85,6 +90,7 @@ struct Renderer::State {
     return colours && (plan.settings.colourMapping == ColourMapping::paper ||
                        plan.settings.colourMapping == ColourMapping::paperRedraw);
   }
+  bool hides(const FramePlan& plan) const { return hidden && !cells->isPainters(plan.settings); }
   bool fills(const FramePlan& plan) const {
     return fill && plan.settings.lowestTier >= kTierFilled &&
            (plan.settings.overlay == Overlay::none || plan.settings.overlay == Overlay::wireframe);
@@ -118,6 +124,7 @@ struct Renderer::State {
   std::optional<FillPass> fill;
   std::optional<ColourTables> tables;
   std::optional<CellPass> cells;
+  std::optional<HiddenArea> hidden;
   std::optional<ColourMapPass> colours;
   std::optional<CompositePass> composite;
   std::optional<DepthPass> depth;
@@ -147,6 +154,7 @@ void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std:
     const GpuScope scope(commands, timer, "canvas");
     if (atOnce) {
       eyes->begin(commands, extent, {0, 0, 0, 0});
+      if (hides(plan)) hidden->drawEyes(commands, plan, extent);
       cells->drawEyes(commands, plan, extent);
       eyes->end(commands);
     } else if (isSequence(plan) && view == 0) {
@@ -164,6 +172,7 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan,
                                 VkExtent2D extent) const noexcept {
   const Canvas& into = order == Order::current ? canvas : *former;
   into.begin(commands, extent, {0, 0, 0, 0});
+  if (hides(plan)) hidden->draw(commands, plan, view, extent);
   if (plan.settings.overlay == Overlay::none)
     cells->draw(commands, plan, order, view, extent);
   else
@@ -223,7 +232,8 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
                     .colours = s.colours ? s.colours->bytes() : 0,
                     .parameters = s.cells->parameterBytes(),
                     .noise = s.cells->noiseBytes(),
-                    .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0};
+                    .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0,
+                    .hiddenArea = s.hidden ? s.hidden->bytes() : 0};
   const auto drawn = [&](std::size_t view) {
     const Intrinsics& k = plan.views[view].intrinsics;
     return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
@@ -232,6 +242,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.former) counters.workingBytes += s.former->allocatedBytes();
   if (s.depth) counters.pipelines += s.depth->pipelineCount();
   if (s.uncertainties) counters.workingBytes += s.uncertainties->allocatedBytes();
+  if (s.hidden) {
+    counters.pipelines += s.hidden->pipelineCount();
+    counters.workingBytes += s.hidden->bytes();
+  }
   if (s.overlays) counters.pipelines += s.overlays->pipelineCount();
   if (s.buffers) counters.pipelines += s.buffers->pipelineCount();
   if (s.fill) {
@@ -243,6 +257,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
     counters.workingBytes += s.colours->imageBytes();
     s.colours->count(plan, drawn(0), counters);
   }
+  const auto countHidden = [&](std::uint32_t triangles) {
+    counters.draws += triangles > 0;
+    counters.triangles += triangles;
+  };
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
     if (s.fills(plan)) counters.dispatches += FillPass::dispatchCount(drawn(view));
     ++counters.passes;  // the composition, a triangle
@@ -252,6 +270,8 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       if (order == Order::former && !s.mixes(plan)) continue;
       if (order == Order::current && view == 1 && s.drawsAtOnce(plan)) continue;  // with the first
       ++counters.passes;
+      const bool both = order == Order::current && s.drawsAtOnce(plan);
+      if (s.hides(plan)) countHidden(s.hidden->triangleCount(view) + (both ? s.hidden->triangleCount(1) : 0));
       const Steps steps = stepsOf(*s.scene, plan, order, view);
       for (const Step& step : steps.all()) {
         if (step.hidden) continue;

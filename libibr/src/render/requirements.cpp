@@ -56,6 +56,8 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
     if (overlay != Overlay::none && !has(r.overlays, overlay)) r.overlays.push_back(overlay);
   r.buffers = options.buffers != nullptr;
   r.floor = options.floor;
+  r.hiddenArea =
+      r.depthOrder && (!options.hiddenArea[0].empty() || (options.views == 2 && !options.hiddenArea[1].empty()));
   const std::uint32_t leaving = r.cells > 0 ? kLargestLeavingCount : 0;
   r.steps = (std::min(r.cells, kLargestCellCount) + leaving) * (r.rejected ? 2 : 1) +
             std::min(r.backdrops, kLargestBackdropCount) * (r.dissolve ? 2 : 1) * (r.stretched ? 2 : 1) +
@@ -101,6 +103,8 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not asked for" : "asked for");
   add("buffers of depth, tier and weights", r.buffers, r.buffers ? "asked for" : "not asked for");
   add("guiding floor", r.floor, r.floor ? "asked for" : "not asked for");
+  add("hidden area", r.hiddenArea,
+      r.hiddenArea ? "there are pixels that nobody sees" : "not given, or nothing is ordered by depth");
   add("scaling", options.largestScale > 0,
       options.largestScale > 0 ? "pictures may be drawn at another size" : "not asked for");
   return stages;
