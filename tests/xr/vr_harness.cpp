@@ -92,12 +92,19 @@ std::vector<json> shownFrames(const XrSetup& setup) {
   return frames;
 }
 
-std::array<Camera, 2> lastViews(const fs::path& folder) {
-  fs::path last;
+std::array<fs::path, 2> lastPictures(const fs::path& folder) {
+  // Those before the last, which may be about to be written.
+  std::vector<fs::path> rights;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().string().ends_with("_r.png")) last = std::max(last, entry.path());  // is written second
-  REQUIRE(!last.empty());
-  const std::string right = last.string(), left = right.substr(0, right.size() - 6) + "_l.png";
+    if (entry.path().string().ends_with("_r.png")) rights.push_back(entry.path());
+  REQUIRE(rights.size() > 1);
+  std::ranges::sort(rights);
+  const std::string right = rights[rights.size() - 2].string();
+  return {right.substr(0, right.size() - 6) + "_l.png", right};
+}
+
+std::array<Camera, 2> lastViews(const fs::path& folder) {
+  const auto [left, right] = lastPictures(folder);
   return {app::readRecord(left).value().camera, app::readRecord(right).value().camera};
 }
 

@@ -44,7 +44,8 @@ class Visitor {
 /// Frames of the record that show something.
 std::vector<nlohmann::json> shownFrames(const XrSetup& setup);
 
-/// The left and right eye's view in the world, out of the last screenshots in a folder (--screenshot-every).
+/// The left and right eye's last pictures in a folder (--screenshot-every), and the views in the world that they tell.
+std::array<std::filesystem::path, 2> lastPictures(const std::filesystem::path& folder);
 std::array<Camera, 2> lastViews(const std::filesystem::path& folder);
 
 /// What `ibr render --stereo` draws of the views in two pictures, on the same device and with the same floor.
