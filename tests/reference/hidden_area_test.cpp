@@ -261,6 +261,7 @@ TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   const Stage stage(testDevice(), shownPlace());
   const RenderSettings paper = with([](auto& s) {
     s.order = DrawOrder::paper;
+    s.maxBackdrops = 0;  // so that there are holes, which are filled
     s.lowestTier = kTierFilled;
   });
   CHECK((show(stage, planned(paper), kMasks, true, {}).pictures == show(stage, planned(paper), {}, true, {}).pictures));
