@@ -189,11 +189,11 @@ void Show::draw(double seconds) {
   }
   const std::array<Target, 2> targets = images_.acquire(walked_.tracking.unitsPerMetre);
   const FrameRing::Frame frame = ring_.begin();
+  const bool captures = place_ && wantsPicture();
   if (place_)
-    recordPlace(frame, seconds, cameras, targets);
+    recordPlace(frame, seconds, cameras, targets, captures);
   else
     recordEmptiness(frame.commands, targets);
-  const bool captures = place_ && wantsPicture();
   if (captures) capture_.record(frame.commands, images_);
   shapesPass_.setShapes(frame.slot, shapes());
   for (std::size_t eye = 0; eye < 2; ++eye)

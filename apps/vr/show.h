@@ -41,7 +41,7 @@ class Show {
   void frame();
   void draw(double seconds);
   void recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
-                   std::span<const Target> targets);
+                   std::span<const Target> targets, bool toBeKept);
   void recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const;
   Layers layersOf(bool menu);
   void walk(double seconds);

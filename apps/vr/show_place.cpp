@@ -84,8 +84,9 @@ void Show::giveFloor(RenderSettings& settings) {
 }
 
 void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
-                       std::span<const Target> targets) {
+                       std::span<const Target> targets, bool toBeKept) {
   drawnWith_ = governor_.levels[visit_.governed ? governor_.level : 0];
+  drawnWith_.leaveOutHidden = !toBeKept;
   giveFloor(drawnWith_);
   const GpuScope scope(frame.commands, frame.timer, "frame");
   place_->record(frame, seconds, eyes, drawnWith_, targets);

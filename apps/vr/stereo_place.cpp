@@ -76,7 +76,7 @@ StereoPlace::StereoPlace(Device device, std::shared_ptr<const PlaceFiles> files,
 }
 
 void StereoPlace::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area) {
-  static_cast<void>(area);
+  rendererOptions_.hiddenArea = area;
   renderer_.reset();  // first, so that there is never memory for two
   renderer_.emplace(device_, gpuScene_, rendererOptions_);
 }

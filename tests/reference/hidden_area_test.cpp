@@ -257,6 +257,21 @@ TEST_CASE("everything or nothing or one view alone may be hidden, and what lies 
   CHECK((same.pictures == all.pictures && same.depths == all.depths));
 }
 
+TEST_CASE("a picture to be kept shows what lenses leave out, at any scale") {
+  const Stage stage(testDevice(), shownPlace());
+  for (const double scale : {1.0, 0.7})
+    for (const int tier : {kTierBackdrop, kTierFilled}) {
+      const FramePlan plan = planned(with([&](auto& s) {
+        s.leaveOutHidden = false;
+        s.renderScale = scale;
+        s.lowestTier = tier;
+      }));
+      const Shown kept = show(stage, plan, kMasks, true, {}), whole = show(stage, plan, {}, true, {});
+      CHECK((kept.pictures == whole.pictures));
+      CHECK((kept.depths == whole.depths));
+    }
+}
+
 TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   const Stage stage(testDevice(), shownPlace());
   const RenderSettings paper = with([](auto& s) {

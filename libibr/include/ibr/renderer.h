@@ -128,6 +128,7 @@ struct RenderSettings {
                                                      // latter, all else is not, backdrops neither. In any order;
                                                      // indices beyond the scene's mean nothing
   int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
+  bool leaveOutHidden = true;      // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
 
   ColourMapping colourMapping = ColourMapping::off;
   ColourTable colourTable = ColourTable::preserving;

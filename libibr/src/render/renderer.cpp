@@ -90,7 +90,9 @@ struct Renderer::State {
     return colours && (plan.settings.colourMapping == ColourMapping::paper ||
                        plan.settings.colourMapping == ColourMapping::paperRedraw);
   }
-  bool hides(const FramePlan& plan) const { return hidden && !cells->isPainters(plan.settings); }
+  bool hides(const FramePlan& plan) const {
+    return hidden && plan.settings.leaveOutHidden && !cells->isPainters(plan.settings);
+  }
   bool fills(const FramePlan& plan) const {
     return fill && plan.settings.lowestTier >= kTierFilled &&
            (plan.settings.overlay == Overlay::none || plan.settings.overlay == Overlay::wireframe);
