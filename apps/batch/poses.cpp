@@ -43,6 +43,28 @@ std::optional<std::string> withoutEye(const std::string& name, char eye) {
   return whole.substr(0, whole.size() - ending.size());
 }
 
+View viewIn(const fs::path& picture, PictureSize size) {
+  const auto record = readRecord(picture);
+  check(record.has_value(), ErrorCode::invalidInput, "{}: no view stands in this picture", picture.string());
+  View view{picture.filename().string(), record->camera, record->time.value_or(0)};
+  if (size.width > 0) view.camera.intrinsics = withSize(view.camera.intrinsics, size);
+  return view;
+}
+
+// "hall_r.png" beside "hall_l.png", and the other way round; nullopt where the picture is of no eye. It must be there.
+std::optional<fs::path> otherEye(const fs::path& picture) {
+  const std::string name = picture.filename().string();
+  for (const auto& [eye, other] : {std::pair('l', 'r'), {'r', 'l'}})
+    if (const auto both = withoutEye(name, eye)) {
+      const fs::path beside = picture.parent_path() / (*both + '_' + other + picture.extension().string());
+      std::error_code ignored;
+      check(fs::exists(beside, ignored), ErrorCode::invalidInput, "{}: there is no {} eye {}", picture.string(),
+            other == 'l' ? "left" : "right", beside.string());
+      return beside;
+    }
+  return std::nullopt;
+}
+
 // Of nerfstudio and instant-ngp: an object with "frames".
 bool isTransforms(const fs::path& file) {
   const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
@@ -61,15 +83,13 @@ bool isWalk(const fs::path& poses) {
   return !fs::is_directory(poses, ignored) && (isImageFile(poses) || !isTransforms(poses));
 }
 
-std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCallback& log) {
+std::vector<View> readViews(const fs::path& poses, PictureSize size, const LogCallback& log, bool stereo) {
   std::error_code ignored;
   const bool folder = fs::is_directory(poses, ignored);
   if (!folder && isImageFile(poses)) {
-    const auto record = readRecord(poses);
-    check(record.has_value(), ErrorCode::invalidInput, "{}: no view stands in this picture", poses.string());
-    View view{poses.filename().string(), record->camera, record->time.value_or(0)};
-    if (size.width > 0) view.camera.intrinsics = withSize(view.camera.intrinsics, size);
-    return {view};
+    std::vector<View> views{viewIn(poses, size)};
+    if (const auto other = stereo ? otherEye(poses) : std::nullopt) views.push_back(viewIn(*other, size));
+    return views;
   }
   if (!folder && !isTransforms(poses)) {
     CameraPath path = readCameraPath(poses);

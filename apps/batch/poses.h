@@ -13,11 +13,12 @@
 
 namespace ibr::app {
 
-/// `poses`: a COLMAP model's folder, transforms.json, a camera path, or a picture with its record inside, which names the
-/// view. Views of cameras that distort are those of the
-/// undistorted photographs. A size other than 0 replaces that of the poses: the vertical
-/// field of view stays and pixels keep their shape. Throws Error.
-std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log);
+/// `poses`: a COLMAP model's folder, transforms.json, a camera path, or a picture with its record inside, which names
+/// the view; with `stereo` a picture NAME_l or NAME_r comes with the other eye's, which must lie beside it. Views of
+/// cameras that distort are those of the undistorted photographs. A size other than 0 replaces that of the poses: the
+/// vertical field of view stays and pixels keep their shape. Throws Error.
+std::vector<View> readViews(const std::filesystem::path& poses, PictureSize size, const LogCallback& log,
+                            bool stereo = false);
 
 /// The vertical field of view a centred picture of the same height would have, in radians: focal lengths change, size,
 /// shape of pixels and principal points stay. Precondition: 0 < fovY < π.

@@ -99,7 +99,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   const bool isPath = options.poses.empty() || isWalk(options.poses);
   std::vector<View> asked = options.autoFrames > 0
                                 ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
-                                : readViews(options.poses, options.size, context.log());
+                                : readViews(options.poses, options.size, context.log(), options.stereo);
   if (options.fovDegrees > 0) setFov(asked, glm::radians(options.fovDegrees));
   const std::vector<Frame> frames = framesOf(asked, options.stereo, options.ipd);
   std::vector<View> views;
@@ -173,6 +173,7 @@ const Command kRenderCommand{
         "ibr render scene --poses held-out/sparse -o pictures\n"
         "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
         "ibr render scene --poses screenshot.png --preset accurate -o pictures\n"
+        "ibr render scene --poses screenshot_l.png --stereo -o pictures\n"
         "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures\n"
         "ibr render model --path auto:90 -o pictures",
     .details =
@@ -184,7 +185,8 @@ const Command kRenderCommand{
         "settings that drew them (ibr info PICTURE.png), but settings are still those of this command.\n"
         "--stereo makes two of each pose, NAME_l and NAME_r, of one order of cells and one colour table. Poses that "
         "are\n"
-        "named so already are the eyes as they are: each may have its own principal point and direction.\n"
+        "named so already are the eyes as they are: each may have its own principal point and direction. A picture\n"
+        "NAME_l.png or NAME_r.png stands for both eyes: the other's lies beside it.\n"
         "--buffers writes NAME.exr beside each picture: R, G, B (linear), Z (depth along the viewing axis in world\n"
         "units, infinite where unknown), tier, rank (0: the main cell), weight.0 to weight.3 of the members' colours,\n"
         "confidence.spread (standard deviation of the members' colours), confidence.uncertainty (of the inverse "

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/file.h"
 #include "io/exr.h"
 #include "io/image_file.h"
 #include "run_program.h"
@@ -58,6 +59,49 @@ TEST_CASE("--stereo makes the two eyes, and eyes that are given are taken as the
   for (int y = 0; y < straight.height; ++y)
     for (int x = 0; x + 16 < straight.width; ++x)
       for (std::size_t c = 0; c < 3; ++c) REQUIRE(std::abs(straight.pixel(x, y)[c] - skewed.pixel(x + 16, y)[c]) <= 1);
+}
+
+TEST_CASE("--stereo: a picture of one eye stands for both, and both come back to the last byte") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  // As headsets have them: off-centre, canted, a pixel not quite square, and no round number anywhere.
+  Camera left = between(), right = between();
+  left.pose = {left.pose.position - glm::dvec3(0.0317, 0, 0.0011), glm::angleAxis(0.0523, glm::dvec3(0, 1, 0))};
+  right.pose = {right.pose.position + glm::dvec3(0.0317, 0, 0.0011), glm::angleAxis(-0.0417, glm::dvec3(0, 1, 0))};
+  left.intrinsics.cx += 11.37;
+  right.intrinsics.cx -= 9.81;
+  left.intrinsics.fx *= 1.003;
+  test::writeColmapModel(folder / "eyes", {{"shot_l.jpg", left}, {"shot_r.jpg", right}});
+  const std::vector<std::string> more{"--stereo", "--preset", "accurate", "--floor", "1.5"};
+  REQUIRE(render(folder / "eyes", folder / "given", more).code == 0);
+  for (const char* eye : {"shot_l.png", "shot_r.png"}) {
+    const auto outcome = render(folder / "given" / eye, folder / "again", more);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    for (const char* name : {"shot_l.png", "shot_r.png"})
+      CHECK((readFile(folder / "given" / name) == readFile(folder / "again" / name)));
+    fs::remove_all(folder / "again");
+  }
+  // Without --stereo, or of another name, it is one view.
+  REQUIRE(render(folder / "given/shot_l.png", folder / "alone", {}).code == 0);
+  CHECK(!fs::exists(folder / "alone/shot_r.png"));
+  fs::copy_file(folder / "given/shot_l.png", folder / "given/shot.png");
+  REQUIRE(render(folder / "given/shot.png", folder / "pair", {"--stereo", "--ipd", "0.06"}).code == 0);
+  CHECK((fs::exists(folder / "pair/shot_l.png") && fs::exists(folder / "pair/shot_r.png")));
+
+  for (const auto& [kept, lost] : {std::pair("shot_l.png", "shot_r.png"), {"shot_r.png", "shot_l.png"}}) {
+    fs::create_directories(folder / "lone");
+    fs::copy_file(folder / "given" / kept, folder / "lone" / kept);
+    const auto missing = render(folder / "lone" / kept, folder / "out", {"--stereo"});
+    CHECK(missing.code == 3);
+    CHECK_THAT(missing.err, Contains((folder / "lone" / kept).string()) && Contains((folder / "lone" / lost).string()));
+    writeImage(folder / "lone" / lost, Image8(8, 6, 3));
+    const auto recordless = render(folder / "lone" / kept, folder / "out", {"--stereo"});
+    CHECK(recordless.code == 3);
+    CHECK_THAT(recordless.err, Contains((folder / "lone" / lost).string()) && Contains("no view"));
+    CHECK(!fs::exists(folder / "out"));
+    fs::remove_all(folder / "lone");
+  }
 }
 
 TEST_CASE("--stereo says which eye is missing") {
