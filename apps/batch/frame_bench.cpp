@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 
 #include "base/check.h"
 #include "gpu/scope.h"
@@ -14,6 +15,7 @@ namespace ibr::app {
 namespace {
 
 constexpr double kEyeDistance = 0.064;  // m
+constexpr double kHiddenCorner = 0.3;   // of a picture's sides, as headsets have it: 18 % of all pixels
 
 std::vector<BenchWay> waysOf(const BenchCase& wanted) {
   const BlendMode blend = wanted.settings.blend;
@@ -27,6 +29,7 @@ std::vector<BenchWay> waysOf(const BenchCase& wanted) {
   if (wanted.stereo) {
     ways.push_back({"paper", paper, ColourMapping::off, blend, 2});
     ways.push_back({"ours", ours, ColourMapping::off, blend, 2});
+    ways.push_back({"ours", ours, ColourMapping::off, blend, 2, true});
     ways.push_back({"ours", ours, ColourMapping::ours, blend, 2});
   }
   return ways;
@@ -69,6 +72,20 @@ std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
   return count;
 }
 
+// The four corners of a centred picture.
+std::vector<glm::vec2> hiddenCorners(const Intrinsics& k) {
+  const glm::dvec2 corner(0.5 * k.width / k.fx, 0.5 * k.height / k.fy);  // tangents
+  std::vector<glm::vec2> triangles;
+  for (const double right : {-1.0, 1.0})
+    for (const double up : {-1.0, 1.0}) {
+      const glm::dvec2 at = corner * glm::dvec2(right, up);
+      const glm::dvec2 inwards = 2 * kHiddenCorner * at;
+      for (const glm::dvec2 point : {at, at - glm::dvec2(inwards.x, 0), at - glm::dvec2(0, inwards.y)})
+        triangles.emplace_back(point);
+    }
+  return triangles;
+}
+
 RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
   RendererOptions options = optionsFor(wanted.settings, extent);
   options.views = wanted.stereo ? 2 : 1;
@@ -79,7 +96,8 @@ RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
 }
 
 bool unmapped(const BenchWay& way, const BenchWay& of) {
-  return way.order == of.order && way.colour == ColourMapping::off && way.blend == of.blend && way.views == of.views;
+  return way.order == of.order && way.colour == ColourMapping::off && way.blend == of.blend && way.views == of.views &&
+         way.hidden == of.hidden;
 }
 
 }  // namespace
@@ -93,17 +111,22 @@ struct FrameBench::State {
         gpuScene(d, s.scene, s.gpuScene),
         renderer(d, gpuScene, rendererOptions(wanted, extent)),
         timer(d, 16) {
+    if (wanted.stereo) {
+      RendererOptions options = rendererOptions(wanted, extent);
+      options.hiddenArea.fill(hiddenCorners(s.views[0].intrinsics));
+      withHidden.emplace(d, gpuScene, options);
+    }
     for (int eye = 0; eye < (wanted.stereo ? 2 : 1); ++eye)
       targets.push_back(pictures.emplace_back(d, extent).target());
   }
 
-  std::vector<ScopeTime> times(const FramePlan& plan) {
+  std::vector<ScopeTime> times(const FramePlan& plan, bool hidden) {
     streamAll(device, gpuScene, plan, frame);
     const std::span<const Target> used(targets.data(), plan.views.size());
     pictures[0].render([&](VkCommandBuffer commands) {
       timer.reset(commands);
       const GpuScope scope(commands, &timer, "frame");
-      renderer.record(commands, plan, used, &timer);
+      (hidden ? *withHidden : renderer).record(commands, plan, used, &timer);
     });
     const std::vector<ScopeTime> scopes = timer.read();
     check(!scopes.empty(), ErrorCode::unsupported, "{}: the queue has no timestamps", device.name());
@@ -116,6 +139,7 @@ struct FrameBench::State {
   SceneBounds bounds;
   GpuScene gpuScene;
   Renderer renderer;
+  std::optional<Renderer> withHidden;
   std::vector<Offscreen> pictures;
   std::vector<Target> targets;
   ScopeTimer timer;
@@ -129,7 +153,7 @@ FrameBench::~FrameBench() = default;
 BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<void()>& step) const {
   State& s = *state_;
   BenchResult result;
-  for (const BenchWay& way : waysOf(wanted)) result.ways.push_back({way, {}, {}, {}, {}, {}});
+  for (const BenchWay& way : waysOf(wanted)) result.ways.push_back({way, {}, {}, {}, {}, {}, {}});
   const std::size_t count = result.ways.size();
   for (const Camera& view : s.subject.views) {
     std::vector<std::vector<Weighted>> plans;
@@ -143,7 +167,7 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
       for (std::size_t w = 0; w < count; ++w) {
         std::map<std::string, double> passes;
         for (const Weighted& weighted : plans[w])
-          for (const ScopeTime& time : s.times(weighted.plan))
+          for (const ScopeTime& time : s.times(weighted.plan, result.ways[w].way.hidden))
             (time.depth == 0 ? frame[w] : passes[time.name]) += weighted.weight * time.milliseconds;
         for (const auto& [name, milliseconds] : passes)
           if (repeat >= 0) result.ways[w].passes[name].push_back(milliseconds);
@@ -156,6 +180,9 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
           if (unmapped(of, times.way)) times.toUnmapped.push_back(frame[w] / frame[other]);
           if (of.order == DrawOrder::paper && of.colour == ColourMapping::off && of.views == times.way.views)
             times.toPaper.push_back(frame[w] / frame[other]);
+          if (times.way.hidden && !of.hidden && of.order == times.way.order && of.colour == times.way.colour &&
+              of.views == times.way.views)
+            times.toWhole.push_back(frame[w] / frame[other]);
           if (times.way.views == 2 && of.views == 1 && of.order == times.way.order && of.colour == times.way.colour &&
               of.blend == times.way.blend)
             times.toTwoMono.push_back(frame[w] / (2 * frame[other]));

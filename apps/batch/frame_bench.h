@@ -20,6 +20,7 @@ struct BenchWay {
   ColourMapping colour;
   BlendMode blend;
   std::size_t views;
+  bool hidden = false;  // corners that a headset's lenses leave out are not drawn
 };
 
 struct WayTimes {
@@ -27,6 +28,7 @@ struct WayTimes {
   std::vector<double> milliseconds;         // of frames
   std::vector<double> toPaper, toUnmapped;  // ratios: to the paper's order and to the same way, without mapping
   std::vector<double> toTwoMono;            // of two views: to a frame of each alone
+  std::vector<double> toWhole;              // with hidden corners: to the same way without
   std::map<std::string, std::vector<double>> passes;  // ms by pass
 };
 

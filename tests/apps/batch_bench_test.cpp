@@ -21,11 +21,12 @@ TEST_CASE("bench of a generated scene reports every way's frames and passes") {
   for (const char* key : {"device", "size", "frames", "passes", "passTimes", "settings", "scene"})
     CHECK(report.contains(key));
   CHECK(report["size"] == nlohmann::json{64, 36});
-  REQUIRE(report["frames"].size() == 2 * 9);
-  std::size_t stereo = 0, paper = 0, mapped = 0, dithered = 0;
+  REQUIRE(report["frames"].size() == 2 * 10);
+  std::size_t stereo = 0, paper = 0, mapped = 0, dithered = 0, hidden = 0;
   for (const auto& frame : report["frames"]) {
-    for (const char* key : {"scene", "cells", "drawn", "triangles", "way", "colourMapping", "blend", "views",
-                            "medianMs", "p95Ms", "n", "ratioToPaper", "ratioToUnmapped", "ratioToTwoMono"})
+    for (const char* key :
+         {"scene", "cells", "drawn", "triangles", "way", "colourMapping", "blend", "views", "medianMs", "p95Ms", "n",
+          "ratioToPaper", "ratioToUnmapped", "ratioToTwoMono", "hiddenCorners", "ratioToWhole"})
       CHECK(frame.contains(key));
     CHECK((frame["way"] == "paper" || frame["way"] == "ours"));
     CHECK(frame["n"] == 2);
@@ -35,13 +36,15 @@ TEST_CASE("bench of a generated scene reports every way's frames and passes") {
     CHECK(frame["medianMs"] > 0);
     CHECK(frame["ratioToPaper"] > 0);
     CHECK(frame["ratioToTwoMono"].is_null() == (frame["views"] == 1));
+    CHECK(frame["ratioToWhole"].is_null() != frame["hiddenCorners"].get<bool>());
+    hidden += frame["hiddenCorners"].get<bool>();
     if (frame["way"] == "paper" && frame["colourMapping"] == "off") CHECK(frame["ratioToPaper"] == 1);
     stereo += frame["views"] == 2;
     paper += frame["way"] == "paper";
     mapped += frame["colourMapping"] != "off";
     dithered += frame["blend"] == "dither";
   }
-  CHECK((stereo == 2 * 3 && paper == 2 * 4 && mapped == 2 * 4 && dithered == 2));
+  CHECK((stereo == 2 * 4 && paper == 2 * 4 && mapped == 2 * 4 && dithered == 2 && hidden == 2));
   REQUIRE(!report["passes"].empty());
   std::size_t tables = 0;
   for (const auto& pass : report["passes"]) {
