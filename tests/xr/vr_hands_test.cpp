@@ -27,7 +27,7 @@ class Walker {
   Pose head() {
     visitor_.move(state_);
     visitor_.pass(22);  // of fades, and until a picture is taken again
-    const std::array<Camera, 2> views = lastViews(pictures_.path());
+    const std::array<Camera, 2> views = viewsIn(lastPictures(pictures_.path()));
     return {0.5 * (views[0].pose.position + views[1].pose.position), views[0].pose.rotation};
   }
   // Holds something that was free, and lets go.

@@ -103,9 +103,8 @@ std::array<fs::path, 2> lastPictures(const fs::path& folder) {
   return {right.substr(0, right.size() - 6) + "_l.png", right};
 }
 
-std::array<Camera, 2> lastViews(const fs::path& folder) {
-  const auto [left, right] = lastPictures(folder);
-  return {app::readRecord(left).value().camera, app::readRecord(right).value().camera};
+std::array<Camera, 2> viewsIn(const std::array<fs::path, 2>& pictures) {
+  return {app::readRecord(pictures[0]).value().camera, app::readRecord(pictures[1]).value().camera};
 }
 
 std::array<Image8, 2> drawnAgain(const XrSetup& setup, const fs::path& left, const fs::path& right,

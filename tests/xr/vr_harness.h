@@ -44,9 +44,10 @@ class Visitor {
 /// Frames of the record that show something.
 std::vector<nlohmann::json> shownFrames(const XrSetup& setup);
 
-/// The left and right eye's last pictures in a folder (--screenshot-every), and the views in the world that they tell.
+/// The left and right eye's last pictures in a folder (--screenshot-every).
 std::array<std::filesystem::path, 2> lastPictures(const std::filesystem::path& folder);
-std::array<Camera, 2> lastViews(const std::filesystem::path& folder);
+/// The views in the world that pictures tell.
+std::array<Camera, 2> viewsIn(const std::array<std::filesystem::path, 2>& pictures);
 
 /// What `ibr render --stereo` draws of the views in two pictures, on the same device and with the same floor.
 std::array<Image8, 2> drawnAgain(const XrSetup& setup, const std::filesystem::path& left,

@@ -16,14 +16,29 @@ bool isEmpty(const Image8& image) {
 }
 
 struct Asked {
-  std::vector<std::string> headset, renderer;  // options of ibr-vr alone, and of ibr render too
-  std::string faults;
+  std::vector<std::string> headset = {}, renderer = {};  // options of ibr-vr alone, and of ibr render too
+  std::string faults = "";
+  double unitsPerMetre = 1;
   int tolerance = 0;
 };
 
 bool same(const Image8& a, const Image8& b, int tolerance) {
   return a.width == b.width &&
          std::ranges::equal(a.values, b.values, [&](int p, int q) { return std::abs(p - q) <= tolerance; });
+}
+
+// The views that the pictures tell are those of the headset's eyes.
+void checkViews(const std::array<Camera, 2>& views, const RemoteState& state, double unitsPerMetre) {
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const Intrinsics& k = views[eye].intrinsics;
+    const RemoteFov& fov = state.eyes[eye].fov;
+    CHECK(-k.cx / k.fx == Approx(std::tan(fov.left)));
+    CHECK((k.width - k.cx) / k.fx == Approx(std::tan(fov.right)));
+    CHECK(k.cy / k.fy == Approx(std::tan(fov.up)));
+    CHECK((k.cy - k.height) / k.fy == Approx(std::tan(fov.down)));
+  }
+  const glm::dvec3 apart = unitsPerMetre * (state.eyes[1].pose.position - state.eyes[0].pose.position);
+  CHECK(glm::distance(views[1].pose.position - views[0].pose.position, views[0].pose.rotation * apart) < 1e-6);
 }
 
 void checkPictures(const RemoteState& state, const Asked& asked) {
@@ -39,6 +54,7 @@ void checkPictures(const RemoteState& state, const Asked& asked) {
   REQUIRE(shown.size() == 2);
   REQUIRE(visitor.finish().code == 0);
   const fs::path left = setup.folder() / "shot_l.png", right = setup.folder() / "shot_r.png";
+  checkViews(viewsIn({left, right}), state, asked.unitsPerMetre);
   const std::array kept{readImage(left), readImage(right)};
   const std::array again = drawnAgain(setup, left, right, setup.folder() / "again", asked.renderer);
   for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -65,7 +81,8 @@ TEST_CASE("so they are with all that a runtime may lack") {
 }
 
 TEST_CASE("a scale puts the eyes further apart, and other settings are kept") {
-  checkPictures(lookingAhead(), {.headset = {"--scale", "2", "--no-floor"}, .renderer = {"--blend", "dither"}});
+  checkPictures(lookingAhead(),
+                {.headset = {"--scale", "2", "--no-floor"}, .renderer = {"--blend", "dither"}, .unitsPerMetre = 2});
 }
 
 TEST_CASE("the floor lies where ibr render draws it") {
@@ -73,4 +90,35 @@ TEST_CASE("the floor lies where ibr render draws it") {
   RemoteState state = lookingAhead();
   state.head.rotation = glm::angleAxis(-0.5, glm::dvec3(1, 0, 0));
   checkPictures(state, {.tolerance = 1});
+}
+
+TEST_CASE("what lenses hide is not drawn, and all the rest is; pictures to be kept have all") {
+  XrSetup setup("half-mask");
+  setup.readPictures();
+  Visitor visitor(setup,
+                  {"--no-governor", "--no-floor", "--frames", "60", "--screenshot", setup.folder() / "shot.png"});
+  const RemoteState state = lookingAhead();
+  visitor.move(state);
+  visitor.waitForScene();
+  visitor.pass(15);
+  const std::vector<Image8> shown = setup.pictures(visitor.program());
+  REQUIRE(visitor.finish().code == 0);
+  REQUIRE(shown.size() == 2);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    INFO("eye " << eye);
+    const fs::path file = setup.folder() / (eye == 0 ? "shot_l.png" : "shot_r.png");
+    const Image8 kept = readImage(file);
+    const double middle = viewsIn({file, file})[0].intrinsics.cx;  // what is left of it is hidden
+    std::size_t hidden = 0, left = 0, wrong = 0;
+    for (int y = 0; y < kept.height; ++y)
+      for (int x = 0; x < kept.width; ++x) {
+        const bool black = std::ranges::all_of(shown[eye].pixel(x, y), [](int v) { return v == 0; });
+        if (x + 1 < middle) ++left, hidden += black;
+        if (x > middle) wrong += !std::ranges::equal(shown[eye].pixel(x, y), kept.pixel(x, y));
+      }
+    CHECK(left > 0);
+    CHECK(hidden == left);
+    CHECK(wrong == 0);
+    CHECK(!isEmpty(kept));
+  }
 }

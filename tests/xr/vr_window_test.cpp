@@ -74,11 +74,9 @@ RemoteFov shownFov(const XrSetup& setup) {
   return {fov[0], fov[1], fov[2], fov[3]};
 }
 
-}  // namespace
-
-TEST_CASE("the compositor shows each eye its picture, in the directions in which it was drawn") {
-  if (!displayIsThere()) return;
-  XrSetup setup("odd-size=480x540", XrCompositor::window);
+// With faults of the runtime, too.
+void checkWindow(const std::string& faults) {
+  XrSetup setup("odd-size=480x540" + faults, XrCompositor::window);
   Visitor visitor(setup,
                   {"--no-governor", "--no-floor", "--screenshots", setup.folder().path(), "--screenshot-every", "5"});
   RemoteState state = lookingAhead();
@@ -102,4 +100,14 @@ TEST_CASE("the compositor shows each eye its picture, in the directions in which
   CHECK(difference(window, 1, right) < 16);
   CHECK(difference(window, 0, right) > 64);
   CHECK(difference(window, 1, left) > 64);
+}
+
+}  // namespace
+
+TEST_CASE("the compositor shows each eye its picture, in the directions in which it was drawn") {
+  if (displayIsThere()) checkWindow("");
+}
+
+TEST_CASE("formats that are taken for linear show the same colours") {
+  if (displayIsThere()) checkWindow(",formats=97:126");
 }
