@@ -60,7 +60,7 @@ XrResult locateViews(XrSession session, const XrViewLocateInfo* info, XrViewStat
     if (nowhere || half) views[i].pose.position = {kNan, kNan, kNan};
   }
   const std::lock_guard lock(state->mutex);
-  state->record.located(*info, *flags, views, *count);
+  state->record.located(*info, views, *count);
   return result;
 }
 

@@ -74,10 +74,8 @@ void FrameRecord::begun() {
   waited_.pop_front();
 }
 
-void FrameRecord::located(const XrViewLocateInfo& info, const XrViewState& state, const XrView* views,
-                          std::uint32_t count) {
-  constexpr XrViewStateFlags kBoth = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
-  located_.push_back({info.displayTime, info.space, (state.viewStateFlags & kBoth) == kBoth, {views, views + count}});
+void FrameRecord::located(const XrViewLocateInfo& info, const XrView* views, std::uint32_t count) {
+  located_.push_back({info.displayTime, info.space, {views, views + count}});
   if (located_.size() > 32) located_.pop_front();
 }
 
@@ -93,7 +91,7 @@ void FrameRecord::event(const XrEventDataBuffer& event) {
 bool FrameRecord::isAsLocated(const XrCompositionLayerProjectionView& view, std::uint32_t index, XrTime time,
                               XrSpace space) const {
   for (const Located& located : located_)
-    if (located.valid && located.time == time && located.space == space && index < located.views.size() &&
+    if (located.time == time && located.space == space && index < located.views.size() &&
         same(located.views[index].pose, view.pose) && same(located.views[index].fov, view.fov))
       return true;
   return false;

@@ -45,7 +45,8 @@ class FrameRecord {
   // The frame as the runtime gave it.
   void waited(const XrFrameState& state) { waited_.push_back(state); }
   void begun();
-  void located(const XrViewLocateInfo& info, const XrViewState& state, const XrView* views, std::uint32_t count);
+  /// What is not known of the views is NaN, which is like nothing.
+  void located(const XrViewLocateInfo& info, const XrView* views, std::uint32_t count);
 
   void event(const XrEventDataBuffer& event);
   /// A line {"frame": …}; `result` is what the runtime answered.
@@ -65,7 +66,6 @@ class FrameRecord {
   struct Located {
     XrTime time;
     XrSpace space;
-    bool valid;
     std::vector<XrView> views;
   };
 
