@@ -107,19 +107,20 @@ std::array<Camera, 2> viewsIn(const std::array<fs::path, 2>& pictures) {
   return {app::readRecord(pictures[0]).value().camera, app::readRecord(pictures[1]).value().camera};
 }
 
-std::array<Image8, 2> drawnAgain(const XrSetup& setup, const fs::path& left, const fs::path& right,
-                                 const fs::path& folder, const std::vector<std::string>& more) {
-  app::PictureRecord eye = app::readRecord(left).value();
-  writeColmapModel(folder / "eyes",
-                   {{"eyes_l.png", eye.camera}, {"eyes_r.png", app::readRecord(right).value().camera}});
-  std::vector<std::string> words{"render", tinyScene(), "--poses", folder / "eyes", "--stereo", "-o", folder};
+std::array<Image8, 2> drawnAgain(const XrSetup& setup, const fs::path& left, const fs::path& folder,
+                                 const std::vector<std::string>& more) {
+  const nlohmann::ordered_json settings = app::readRecord(left).value().settings;
+  std::vector<std::string> words{"render", tinyScene(), "--poses", left, "--stereo", "-o", folder};
   words.insert(words.end(), more.begin(), more.end());
   for (const auto& [setting, option] : {std::pair{"floor", "--floor"}, {"floorSpacing", "--floor-spacing"}})
-    if (eye.settings[setting].is_number()) words.insert(words.end(), {option, eye.settings[setting].dump()});
+    if (settings.at(setting).is_number()) words.insert(words.end(), {option, settings.at(setting).dump()});
   const Outcome outcome = runProgram(words, {.environment = setup.environment()});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  return {readImage(folder / "eyes_l.png"), readImage(folder / "eyes_r.png")};
+  std::string name = left.filename();
+  const fs::path drawnLeft = folder / name;
+  name[name.rfind('l', name.size() - 5)] = 'r';
+  return {readImage(drawnLeft), readImage(folder / name)};
 }
 
 }  // namespace ibr::test

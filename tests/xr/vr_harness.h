@@ -49,9 +49,9 @@ std::array<std::filesystem::path, 2> lastPictures(const std::filesystem::path& f
 /// The views in the world that pictures tell.
 std::array<Camera, 2> viewsIn(const std::array<std::filesystem::path, 2>& pictures);
 
-/// What `ibr render --stereo` draws of the views in two pictures, on the same device and with the same floor.
+/// What `ibr render --stereo` draws of the left eye's picture NAME_l.png and its partner beside it, on the same device
+/// and with the same floor.
 std::array<Image8, 2> drawnAgain(const XrSetup& setup, const std::filesystem::path& left,
-                                 const std::filesystem::path& right, const std::filesystem::path& folder,
-                                 const std::vector<std::string>& more);
+                                 const std::filesystem::path& folder, const std::vector<std::string>& more);
 
 }  // namespace ibr::test

@@ -56,7 +56,7 @@ void checkPictures(const RemoteState& state, const Asked& asked) {
   const fs::path left = setup.folder() / "shot_l.png", right = setup.folder() / "shot_r.png";
   checkViews(viewsIn({left, right}), state, asked.unitsPerMetre);
   const std::array kept{readImage(left), readImage(right)};
-  const std::array again = drawnAgain(setup, left, right, setup.folder() / "again", asked.renderer);
+  const std::array again = drawnAgain(setup, left, setup.folder() / "again", asked.renderer);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     INFO("eye " << eye);
     CHECK(!isEmpty(kept[eye]));
