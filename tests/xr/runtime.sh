@@ -59,10 +59,11 @@ cat >sources.list <<END
 deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror trixie main
 deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm-backports main
 END
-# The sandbox user may not read a user's folders.
+# our_apt COMMAND…: apt-get with that alone. Its sandbox's user may not read a user's folders.
 our_apt() {
-  run apt-get -q -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts=- -o Dir::State::lists="$work/lists" \
-    -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root -o Acquire::Retries=3 "$@"
+  apt-get -q -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts=- -o Dir::State::lists="$work/lists" \
+    -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root -o APT::Update::Error-Mode=any -o Acquire::Retries=3 "$@" \
+    >"$log" 2>&1 </dev/null || { tail -n 20 "$log" >&2; die "apt-get $* has failed; is there a network?"; }
 }
 say "fetching Monado $monado and Mesa"
 our_apt update

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What ibr-vr hands to the runtime, frame by frame, by the record.
+#include <fstream>
+
 #include "vr_harness.h"
 
 using namespace ibr::test;
@@ -77,5 +79,29 @@ TEST_CASE("colour goes into a format that is decoded as sRGB, though another is 
   for (const json& one : swapchains) {
     CHECK(one["layers"] == 2);
     CHECK(one["samples"] == 1);
+  }
+}
+
+TEST_CASE("the log tells each frame and what they come to") {
+  XrSetup setup;
+  Visitor visitor(setup, {"--frames", "20"});
+  const Outcome outcome = visitor.finish();
+  CHECK(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  std::ifstream in(setup.folder() / "log");
+  int frames = 0;
+  json last;
+  for (std::string line; std::getline(in, line);) {
+    last = json::parse(line);
+    if (last.contains("intervalMs")) CHECK(last["frame"] == ++frames);
+  }
+  CHECK(last["summary"] == report["frames"]);
+  CHECK(last["summary"]["frames"] == frames);
+  CHECK(frames >= 20);
+  for (const char* time : {"intervalMs", "processorMs", "deviceMs"}) {
+    const json& t = last["summary"][time];
+    CHECK(t["p50"] > 0);
+    CHECK(t["p50"] <= t["p95"]);
+    CHECK(t["p95"] <= t["p99"]);
   }
 }
