@@ -24,12 +24,14 @@ fs::path freePicture(const fs::path& folder) {
   }
 }
 
-void writeEyes(const fs::path& file, const std::array<Image8, 2>& pictures, const std::vector<Camera>& eyes,
-               nlohmann::ordered_json settings) {
+std::array<fs::path, 2> writeEyes(const fs::path& file, const std::array<Image8, 2>& pictures,
+                                  const std::vector<Camera>& eyes, nlohmann::ordered_json settings) {
   if (file.has_parent_path()) makeFolders(file.parent_path());
   settings["graph"] = false;
+  const std::array<fs::path, 2> files{eyeFile(file, 'l'), eyeFile(file, 'r')};
   for (std::size_t eye = 0; eye < 2; ++eye)
-    writePicture(eyeFile(file, "lr"[eye]), pictures[eye], {eyes[eye], std::nullopt, settings});
+    writePicture(files[eye], pictures[eye], {eyes[eye], std::nullopt, settings});
+  return files;
 }
 
 }  // namespace ibr::app

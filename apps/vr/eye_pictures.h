@@ -16,8 +16,8 @@ namespace ibr::app {
 /// The first view_0001.png, view_0002.png … of the folder that neither eye has yet.
 std::filesystem::path freePicture(const std::filesystem::path& folder);
 
-/// `file`: NAME.png, of which the eyes' are made. Folders are made. Throws Error{io}.
-void writeEyes(const std::filesystem::path& file, const std::array<Image8, 2>& pictures,
-               const std::vector<Camera>& eyes, nlohmann::ordered_json settings);
+/// `file`: NAME.png, of which the eyes' are made, which are given back. Folders are made. Throws Error{io}.
+std::array<std::filesystem::path, 2> writeEyes(const std::filesystem::path& file, const std::array<Image8, 2>& pictures,
+                                               const std::vector<Camera>& eyes, nlohmann::ordered_json settings);
 
 }  // namespace ibr::app

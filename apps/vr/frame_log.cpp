@@ -28,7 +28,7 @@ Json percentiles(const std::vector<double>& values) {
 FrameLog::FrameLog(const std::filesystem::path& file) : path_(file) {
   if (path_.empty()) return;
   file_.open(path_, std::ios::trunc);
-  check(file_.good(), ErrorCode::io, "{}: cannot be written", path_.string());
+  ibr::check(file_.good(), ErrorCode::io, "{}: cannot be written", path_.string());
 }
 
 void FrameLog::write(const Json& line) {
@@ -63,8 +63,11 @@ Json FrameLog::finish() {
                      {"missed", missed_},
                      {"decisions", decisions_}};
   write({{"summary", summary}});
-  check(path_.empty() || file_.good(), ErrorCode::io, "{}: cannot be written to its end", path_.string());
   return summary;
+}
+
+void FrameLog::check() const {
+  ibr::check(path_.empty() || file_.good(), ErrorCode::io, "{}: cannot be written to its end", path_.string());
 }
 
 }  // namespace ibr::app

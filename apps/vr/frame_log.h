@@ -18,8 +18,8 @@ namespace ibr::app {
 struct FrameTimes {
   std::uint64_t frame = 0;  // from 1
   double intervalMs = 0;    // between the times at which it and the one before are seen; 0: the first
-  double processorMs = 0;   // from when it could be begun until it was handed over
-  double deviceMs = 0;      // 0: not known; of the last frame that the device has finished
+  double processorMs = 0;   // of work from when it could be begun until it was handed over: waits do not count
+  double deviceMs = 0;      // 0: not known
   std::size_t level = 0;    // of the governor
   std::size_t cells = 0;    // that were drawn
   bool missed = false;      // the one before was shown for longer than a frame
@@ -32,8 +32,10 @@ class FrameLog {
 
   void add(const FrameTimes& times);
   void add(std::uint64_t frame, const std::string& decision);
-  /// The last line; also for reports. Throws Error{io} where not all could be written.
+  /// Writes the last line, and gives what stands there.
   nlohmann::ordered_json finish();
+  /// Throws Error{io} where not all could be written.
+  void check() const;
 
  private:
   void write(const nlohmann::ordered_json& line);

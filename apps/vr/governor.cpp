@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kRecent = 8, kLeastRecent = 3;          // frames that are looked at
 constexpr int kInFlight = 3;                                  // frames begun before a step is seen
+constexpr int kExcused = 5;                                   // and the one that is late because of them
 constexpr double kFull = 0.85, kRoom = 0.6, kFarOver = 1.25;  // of the period
 constexpr double kMissedShare = 0.5;  // of the period: a frame missed that took less was not missed for its work
 constexpr double kRoomSeconds = 1.5;  // before a step up
@@ -44,9 +45,21 @@ void noteTakenBack(GovernorState& state) {
   state.takenCostMs[state.level] = state.climbCostMs;
 }
 
-Decision stepTo(GovernorState& state, std::size_t level, double costMs) {
-  Decision decision{level, fmt::format("frame {}: {:.1f} ms of {:.1f} ms: {}", state.frame, costMs, state.periodMs,
-                                       levelChange(state.levels[state.level], state.levels[level]))};
+// What a decision is about.
+struct Reason {
+  double workMs;  // 0: not known
+  bool missed;
+};
+
+std::string line(const GovernorState& state, const Reason& why, const std::string& what) {
+  const std::string work =
+      why.workMs > 0 ? fmt::format("{:.1f} ms of {:.1f} ms{}", why.workMs, state.periodMs, why.missed ? ", missed" : "")
+                     : std::string("missed");
+  return fmt::format("frame {}: {}: {}", state.frame, work, what);
+}
+
+Decision stepTo(GovernorState& state, std::size_t level, const Reason& why) {
+  Decision decision{level, line(state, why, levelChange(state.levels[state.level], state.levels[level]))};
   state.climbed = level < state.level;
   state.level = level;
   state.recent.clear();
@@ -55,21 +68,20 @@ Decision stepTo(GovernorState& state, std::size_t level, double costMs) {
   return decision;
 }
 
-Decision stepDown(GovernorState& state, double costMs, std::size_t steps) {
+Decision stepDown(GovernorState& state, const Reason& why, std::size_t steps) {
   state.roomSeconds = 0;
   if (state.level + 1 == state.levels.size()) {
     if (std::exchange(state.exhausted, true)) return {state.level, ""};
-    return {state.level, fmt::format("frame {}: {:.1f} ms of {:.1f} ms: nothing is left to leave out", state.frame,
-                                     costMs, state.periodMs)};
+    return {state.level, line(state, why, "nothing is left to leave out")};
   }
   if (state.climbed) noteTakenBack(state);
-  return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), costMs);
+  return stepTo(state, std::min(state.level + steps, state.levels.size() - 1), why);
 }
 
 Decision stepUp(GovernorState& state, double costMs) {
   state.climbCostMs = costMs;
   state.exhausted = false;
-  return stepTo(state, state.level - 1, costMs);
+  return stepTo(state, state.level - 1, {costMs, false});
 }
 
 void remember(GovernorState& state, double ms) {
@@ -96,6 +108,10 @@ void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder) {
   state = std::move(fresh);
 }
 
+void excuse(GovernorState& state) {
+  state.ignored = std::max(state.ignored, kExcused);
+}
+
 Decision govern(GovernorState& state, const FrameCost& cost) {
   ++state.frame;
   if (isPositive(cost.periodMs)) state.periodMs = cost.periodMs;
@@ -108,13 +124,14 @@ Decision govern(GovernorState& state, const FrameCost& cost) {
     return same;
   }
   const bool known = isPositive(cost.workMs);
-  const bool missed =
-      known ? cost.workMs > period || (cost.missed && cost.workMs > kMissedShare * period) : cost.missed;
+  // The frame after one that took too long is late because of that one.
+  const bool late = cost.missed && !(state.recent.size() > 0 && state.recent.back() > period);
+  const bool missed = known ? cost.workMs > period || (late && cost.workMs > kMissedShare * period) : late;
   if (!known && !missed) return same;
   remember(state, missed ? std::max(known ? cost.workMs : 0, period) : cost.workMs);
   const double high = highest(state);
   if ((missed && high > kRoom * period) || (state.recent.size() >= kLeastRecent && high > kFull * period))
-    return stepDown(state, std::max(high, missed ? state.recent.back() : 0), high > kFarOver * period ? 2 : 1);
+    return stepDown(state, {missed ? (known ? cost.workMs : 0) : high, missed}, high > kFarOver * period ? 2 : 1);
   state.roomSeconds = high < kRoom * period ? state.roomSeconds + period / 1000 : 0;
   if (state.level == 0 || state.recent.size() < kRecent) return same;
   const std::size_t above = state.level - 1;

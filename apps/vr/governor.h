@@ -58,6 +58,10 @@ GovernorState startGovernor(std::vector<RenderSettings> ladder);
 /// is remembered.
 void changeLadder(GovernorState& state, std::vector<RenderSettings> ladder);
 
+/// What comes now is not the fault of what is drawn (a file was written, pipelines were made, the headset was off): the
+/// next frames are not looked at.
+void excuse(GovernorState& state);
+
 struct Decision {
   std::size_t level = 0;  // to draw the next frame with, of GovernorState::levels
   std::string reason;     // a line for a log where something was decided, else empty:

@@ -54,18 +54,19 @@ std::string versionText(XrVersion version) {
 
 // Monado 25 adds VkPhysicalDeviceTimelineSemaphoreFeatures to what a device is made with, although features of Vulkan
 // 1.2 are there, which must hold it then. Drivers take it; it happens once, as the device is made.
-LogCallback Headset::withoutOthers(LogCallback log) {
-  return [this, log = std::move(log)](LogLevel level, std::string_view text) {
+LogCallback Headset::counting(const HeadsetOptions& options) {
+  return [this, log = options.log, count = options.messages](LogLevel level, std::string_view text) {
     if (text.find("VUID-VkDeviceCreateInfo-pNext-02830") == std::string_view::npos) {
+      if (count && text.starts_with("Vulkan validation")) ++*count;
       if (log) log(level, text);
-    } else if (notOurs_++ == 0 && log) {
+    } else if (!blamed_.exchange(true) && log) {
       log(LogLevel::info,
           "the OpenXR runtime makes the device with features named twice (VUID 02830), which is its own");
     }
   };
 }
 
-Headset::Headset(const HeadsetOptions& options) : messages_(withoutOthers(options.log)) {
+Headset::Headset(const HeadsetOptions& options) : messages_(counting(options)) {
   makeInstance();
   findSystem();
   makeVulkanInstance(options);

@@ -24,6 +24,8 @@ struct HeadsetOptions {
   std::vector<std::string> deviceExtensions;    // likewise, where the device has them
   std::filesystem::path pipelineCache;          // file, as DeviceOptions has it; empty: none
   LogCallback log;                              // from any thread
+  std::atomic<std::uint64_t>* messages =
+      nullptr;  // counts what validation says, but for what the runtime is to blame for
 };
 
 class Headset {
@@ -49,17 +51,15 @@ class Headset {
   std::mutex& queueMutex() noexcept { return queueMutex_; }
   VkDevice vulkanDevice() const noexcept { return device_.get(); }
   bool hasDeviceExtensions() const noexcept { return hasExtensions_; }  // HeadsetOptions::deviceExtensions, all
-  /// Without those that the runtime is to blame for.
-  std::uint64_t validationMessages() const noexcept { return messages_.validationMessages() - notOurs_; }
 
  private:
-  LogCallback withoutOthers(LogCallback log);
+  LogCallback counting(const HeadsetOptions& options);
   void makeInstance();
   void findSystem();
   void makeVulkanInstance(const HeadsetOptions& options);
   void makeVulkanDevice(const HeadsetOptions& options);
 
-  std::atomic<std::uint64_t> notOurs_{0};
+  std::atomic<bool> blamed_{false};
   Messages messages_;
   XrInstanceOwner instance_;
   XrSystemId system_ = XR_NULL_SYSTEM_ID;

@@ -7,6 +7,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <thread>
+#include <utility>
 
 #include "base/check.h"
 #include "shared/exit_code.h"
@@ -22,7 +24,9 @@ namespace ibr::app {
 namespace {
 
 constexpr const char* kName = "ibr-vr";
-constexpr int kMostLosses = 3;  // in a row, of a headset that lasts less than 10 s
+constexpr int kMostLosses = 3;                 // in a row, of a headset …
+constexpr std::chrono::seconds kLasting{10};   // … that does not last so long
+constexpr std::chrono::seconds kPatience{60};  // with one that is lost
 
 struct Options {
   CommonOptions common;
@@ -92,20 +96,39 @@ void take(Options& o) {
     o.vr.pipelineCache = cache / "vr-pipelines.bin";
 }
 
+bool mayComeBack(ErrorCode code) {
+  return code == ErrorCode::deviceLost || code == ErrorCode::unsupported;  // the latter: no runtime, no headset
+}
+
+// A runtime that was there and is gone may take a while to come back.
+std::unique_ptr<Show> makeShow(Visit& visit) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point begun = Clock::now();
+  for (bool told = false;;) try {
+      return std::make_unique<Show>(visit);
+    } catch (const Error& e) {
+      const bool waits = visit.losses > 0 && mayComeBack(e.code()) && Clock::now() - begun < kPatience;
+      if (!waits || interrupted() || (visit.window && visit.window->closing())) throw;
+      if (!std::exchange(told, true))
+        visit.context.say(LogLevel::warning, "Waiting for the headset to come back. {}", e.what());
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      if (visit.window) visit.window->handleEvents(0);
+    }
+}
+
 // Headset, runtime or device may be lost and come back; what is lost again and again is not there.
 void visitAll(Visit& visit) {
   using Clock = std::chrono::steady_clock;
-  int losses = 0;
-  for (auto begun = Clock::now();; begun = Clock::now()) {
+  for (int losses = 0;;) {
+    const std::unique_ptr<Show> show = makeShow(visit);
+    const Clock::time_point begun = Clock::now();
     try {
-      Show show(visit);
-      show.run();
-      check(show.validationMessages() == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
-            show.validationMessages());
-      return;
+      return show->run();
     } catch (const Error& e) {
-      losses = Clock::now() - begun < std::chrono::seconds(10) ? losses + 1 : 1;
-      if (e.code() != ErrorCode::deviceLost || losses > kMostLosses || interrupted()) throw;
+      if (e.code() != ErrorCode::deviceLost) throw;
+      if (visit.leaving) return;
+      losses = Clock::now() - begun < kLasting ? losses + 1 : 1;
+      if (losses > kMostLosses) throw;
       ++visit.losses;
       visit.context.say(LogLevel::warning, "The headset was lost; everything is set up again. {}", e.what());
     }
@@ -177,10 +200,18 @@ ExitCode run(int argc, char** argv) {
   visit.governed = o.vr.governed;
   const std::unique_ptr<Window> window = o.vr.mirror ? mirrorWindow(context) : nullptr;
   visit.window = window.get();
-  visitAll(visit);
+  try {
+    visitAll(visit);
+  } catch (...) {
+    log.finish();
+    throw;
+  }
+  check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
+        visit.validationMessages.load());
   if (unitsPerMetre(visit) != o.vr.unitsPerMetre)
     context.say(LogLevel::info, "the scale came to --scale {:.4g}", unitsPerMetre(visit));
   context.report(report(visit, log.finish()));
+  log.check();
   return interrupted() ? kExitInterrupted : kExitOk;
 }
 

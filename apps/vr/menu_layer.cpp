@@ -19,7 +19,7 @@ MenuLayer::MenuLayer(Headset& headset, const Device& device, const Session& sess
     : headset_(headset), panel_(kWidth, kHeight) {
   const std::optional<VkFormat> format = pictureFormat(session);
   if (!format) {
-    if (log) log(LogLevel::warning, "there is no menu: the runtime takes no pictures of 8 bits");
+    if (log) log(LogLevel::warning, "there is no menu: the runtime has no sRGB images of 8 bits");
     return;
   }
   images_ =
@@ -28,13 +28,18 @@ MenuLayer::MenuLayer(Headset& headset, const Device& device, const Session& sess
   drawer_.emplace(device, panel_, *format, FrameRing::kSlots);
 }
 
-void MenuLayer::toggle(const Pose& head) {
-  open_ = !open_ && drawer_;
+void MenuLayer::open(const Pose& head) {
+  open_ = drawer_.has_value();
   if (!open_) return;
   panel_.open();
   const glm::dvec3 ahead = facingOf(head.rotation);
   pose_.position = head.position + kDistance * ahead - glm::dvec3(0, kLower, 0);
   pose_.rotation = glm::angleAxis(headingOf(head.rotation), glm::dvec3(0, 1, 0));
+}
+
+void MenuLayer::recentred(const Pose& newInOld) {
+  const glm::dquat back = glm::conjugate(newInOld.rotation);
+  pose_ = {back * (pose_.position - newInOld.position), back * pose_.rotation};
 }
 
 MenuLayer::Meeting MenuLayer::meeting(const Pose& aim) const {

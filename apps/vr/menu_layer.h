@@ -16,15 +16,17 @@ namespace ibr::app {
 
 class MenuLayer {
  public:
-  /// Where the runtime takes no pictures of 8 bits there is no menu, and the log says so.
+  /// Where the runtime has no sRGB images of 8 bits there is no menu, and the log says so.
   MenuLayer(Headset& headset, const Device& device, const Session& session, const LogCallback& log);
   MenuLayer(const MenuLayer&) = delete;
   MenuLayer& operator=(const MenuLayer&) = delete;
 
   bool isOpen() const noexcept { return open_; }
-  /// Opens it before the head (in the session's space), upright, or closes it.
-  void toggle(const Pose& head);
+  /// Before the head (in the session's space), upright; where it was open, it comes there.
+  void open(const Pose& head);
   void close() noexcept { open_ = false; }
+  /// The space has another origin, whose pose in the former one this is.
+  void recentred(const Pose& newInOld);
 
   /// Finds out which hands point at it: HandInput::onPanel.
   void point(std::array<HandInput, 2>& hands);

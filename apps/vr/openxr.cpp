@@ -26,7 +26,6 @@ const char* nameOf(XrResult result) noexcept {
 const char* adviceFor(XrResult result) noexcept {
   switch (result) {
     case XR_ERROR_RUNTIME_UNAVAILABLE:
-    case XR_ERROR_RUNTIME_FAILURE:
       return ": is an OpenXR runtime installed, the active one (XR_RUNTIME_JSON), and running?";
     case XR_ERROR_FORM_FACTOR_UNAVAILABLE:
       return ": is the headset connected and switched on?";
@@ -82,6 +81,12 @@ Pose poseOf(const XrPosef& pose) {
 XrPosef xrPoseOf(const Pose& pose) {
   return {{float(pose.rotation.x), float(pose.rotation.y), float(pose.rotation.z), float(pose.rotation.w)},
           {float(pose.position.x), float(pose.position.y), float(pose.position.z)}};
+}
+
+bool makesPicture(const XrFovf& fov) noexcept {
+  constexpr float kWidest = 1.569f;  // 89.9°
+  const auto spans = [](float low, float high) { return low >= -kWidest && low < high && high <= kWidest; };
+  return spans(fov.angleLeft, fov.angleRight) && spans(fov.angleDown, fov.angleUp);
 }
 
 Intrinsics intrinsicsOf(const XrFovf& fov, int width, int height) {

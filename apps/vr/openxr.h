@@ -65,6 +65,8 @@ inline constexpr XrPosef kXrIdentity{{0, 0, 0, 1}, {0, 0, 0}};
 Pose poseOf(const XrPosef& pose);
 XrPosef xrPoseOf(const Pose& pose);
 
+/// Whether intrinsicsOf has an answer.
+bool makesPicture(const XrFovf& fov) noexcept;
 /// A pinhole of that size. Throws Error{invalidInput} where the angles make no picture.
 Intrinsics intrinsicsOf(const XrFovf& fov, int width, int height);
 

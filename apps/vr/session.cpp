@@ -22,6 +22,13 @@ std::vector<T> enumerated(const T& blank, const char* call, const Enumerate& enu
   return all;
 }
 
+bool isFinite(glm::dvec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool isFinite(const glm::dquat& q) {
+  return std::isfinite(q.w) && isFinite(glm::dvec3(q.x, q.y, q.z));
+}
+
 }  // namespace
 
 Pose EyeViews::head() const {
@@ -120,8 +127,8 @@ SessionEvents Session::handleEvents() {
         const auto& event = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(buffer);
         const auto ours = kind_ == SpaceKind::stage ? XR_REFERENCE_SPACE_TYPE_STAGE : XR_REFERENCE_SPACE_TYPE_LOCAL;
         if (event.session != get() || event.referenceSpaceType != ours) break;
-        events.recentred = {event.changeTime,
-                            event.poseValid ? std::optional(poseOf(event.poseInPreviousSpace)) : std::nullopt};
+        events.recentred.push_back(
+            {event.changeTime, event.poseValid ? std::optional(poseOf(event.poseInPreviousSpace)) : std::nullopt});
         break;
       }
       case XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR:
@@ -163,7 +170,12 @@ EyeViews Session::locate(XrTime time) const {
   EyeViews found;
   found.oriented = count == 2 && state.viewStateFlags & XR_VIEW_STATE_ORIENTATION_VALID_BIT;
   found.positioned = count == 2 && state.viewStateFlags & XR_VIEW_STATE_POSITION_VALID_BIT;
-  for (std::size_t eye = 0; eye < 2; ++eye) found.eyes[eye] = {poseOf(views[eye].pose), views[eye].fov};
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const XrView& view = views[eye];
+    found.eyes[eye] = {poseOf(view.pose), view.fov};
+    found.oriented &= isFinite(found.eyes[eye].pose.rotation) && makesPicture(view.fov);
+    found.positioned &= found.oriented && isFinite(found.eyes[eye].pose.position);
+  }
   return found;
 }
 

@@ -22,9 +22,9 @@ struct SessionEvents {
     XrTime time;                 // from then on
     std::optional<Pose> change;  // the new space's origin in the space as it was, where the runtime knows
   };
-  std::optional<Recentred> recentred;
-  bool maskChanged = false;   // hiddenArea gives others
-  bool handsChanged = false;  // other controllers
+  std::vector<Recentred> recentred;  // in their order
+  bool maskChanged = false;          // hiddenArea gives others
+  bool handsChanged = false;         // other controllers
 };
 
 /// To be drawn, and when it will be seen.
@@ -41,7 +41,8 @@ struct EyeView {
 
 struct EyeViews {
   std::array<EyeView, 2> eyes;
-  bool oriented = false, positioned = false;  // tracked well enough to be used
+  bool oriented = false;    // there are fields of view to draw, and where they look is known
+  bool positioned = false;  // and where they are
   /// In the middle of the eyes ([T] §2.5.4).
   Pose head() const;
 };

@@ -67,7 +67,7 @@ ShapesPass::ShapesPass(const Device& device, VkFormat colour, VkFormat depth, st
                             .depthFormat = depth,
                             .blending = Blending::over};
   untested_ = makeGraphicsPipeline(device, info);
-  info.depthTest = true;
+  info.depthTest = info.depthWrite = true;  // runtimes move what is seen by its depth
   tested_ = makeGraphicsPipeline(device, info);
 }
 

@@ -22,8 +22,8 @@ class ShapesPass {
   void setShapes(std::uint32_t slot, const Shapes& shapes);
 
   /// Outside a render pass. The target, which has a depth, holds a picture: it is in use::kColourAttachment and its
-  /// depth in use::kDepthAttachment, and so they are left. `eye`: in tracking space, metres; the depth's planes are
-  /// nearPlane and farPlane metres away.
+  /// depth in use::kDepthAttachment, and so they are left; what stands in the room has its depth. `eye`: in tracking
+  /// space, metres; the depth's planes are nearPlane and farPlane metres away.
   void record(VkCommandBuffer commands, std::uint32_t slot, const Camera& eye, const Target& target, double nearPlane,
               double farPlane) const noexcept;
 

@@ -29,40 +29,52 @@ class Show {
   /// another may go on.
   void run();
 
-  std::uint64_t validationMessages() const noexcept { return headset_.validationMessages(); }
-
  private:
   using Layers = std::vector<const XrCompositionLayerBaseHeader*>;
 
   const VrOptions& options() const noexcept { return visit_.options; }
   void say(LogLevel level, const std::string& text) const;
 
+  // The frame.
   void obey(const SessionEvents& events);
   void frame();
+  void changeSpace(XrTime time);
+  void lookAround(XrTime time);
+  void walk(double seconds);
+  void waitInPlace(double seconds);
+
+  // What the eyes see.
   void draw(double seconds);
   void recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
                    std::span<const Target> targets, bool toBeKept);
   void recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const;
-  Layers layersOf(bool menu);
-  void walk(double seconds);
+  void giveFloor(RenderSettings& settings);
   Shapes shapes() const;
-  void addHands(Shapes& shapes, const Pose& head) const;
+  void addHands(Shapes& shapes) const;
+  Layers layers();
   void makeMirror();
   void showInMirror();
-  MenuModel menuModel() const;
-  void obeyMenu(double seconds);
-  void standAnew();
-  void account(const XrMoment& moment, double seconds, double processorMs);
-  void tellPace(double seconds, double workMs, double periodMs);
-  bool wantsPicture() const;
-  void writePictures(const std::vector<Camera>& eyes);
 
+  // The place.
   void beginLoading();
   void takeLoaded();
   void settle(std::unique_ptr<StereoPlace> place);
+  void goBack(const std::string& why);
   void leavePlace();
   EyeFormat eyeFormat() const;
-  void giveFloor(RenderSettings& settings);
+
+  // The menu.
+  MenuModel menuModel() const;
+  void obeyMenu(double seconds);
+  void obeyWaitingMenu(double seconds);
+  void standAnew();
+
+  // How it goes.
+  void account(const XrMoment& moment, double seconds, double processorMs);
+  void conclude(std::uint32_t slot, double deviceMs);
+  void tellPace(const FrameTimes& times, double periodMs);
+  bool wantsPicture() const;
+  void writePictures(const std::vector<Camera>& eyes);
 
   Visit& visit_;
   Headset headset_;
@@ -79,7 +91,6 @@ class Show {
   std::unique_ptr<StereoPlace> place_;                 // null while it is being read
   std::future<std::unique_ptr<StereoPlace>> loading_;  // after all that it uses
   std::optional<std::size_t> nextPlace_;               // of options().places: gone to once all is black
-  std::optional<std::size_t> formerPlace_;             // come back to where the next one cannot be shown
   GovernorState governor_;
 
   // Of the frame that is being made.
@@ -92,16 +103,31 @@ class Show {
   std::array<XrCompositionLayerDepthInfoKHR, 2> depthInfos_{};
   XrCompositionLayerProjection projection_{};
 
-  std::optional<Pose> head_;         // as it was seen last, in the space
-  std::optional<std::size_t> goTo_;  // wished for by the menu, for the next step
-  double scale_ = 1;                 // likewise
-  SpotMap map_;                      // of the place
-  std::string pace_, trouble_;       // lines for the menu: how frames go, why a place is not shown
-  double paceSeconds_ = 0;           // since the former was written
-  std::optional<SessionEvents::Recentred> recentring_;
-  XrTime lastTime_ = 0;
-  double loadingSeconds_ = 0;
-  bool maskChanged_ = false, leaving_ = false, exitAsked_ = false, pictureAsked_ = false, menuShown_ = false;
+  Pose head_;  // in the middle of the eyes, in the space; where it is not known, it is where it was
+  std::array<glm::dvec3, 2> eyeOffsets_{glm::dvec3(-0.0315, 0, 0), glm::dvec3(0.0315, 0, 0)};  // from it, in its axes
+  std::vector<SessionEvents::Recentred> recentrings_;                                          // to come
+
+  // Wished for by the menu, for the next frame.
+  std::optional<std::size_t> goTo_;
+  double scale_ = 1;
+  std::optional<double> eyeHeight_;
+
+  SpotMap map_;                 // of the place
+  std::string pace_, trouble_;  // lines for the menu: how frames go, what went wrong
+  double paceSeconds_ = 0;      // since the former was written
+  double waitedSeconds_ = 0;    // for the place
+  std::array<bool, 2> menuHeld_{};
+
+  // A frame's time on the device is known when its slot is used again.
+  struct Pending {
+    FrameTimes times;
+    double periodMs;
+  };
+  std::array<std::optional<Pending>, FrameRing::kSlots> pending_;
+  std::uint32_t slot_ = 0;
+  XrTime lastTime_ = 0;   // 0: there was no frame just before
+  double notWorkMs_ = 0;  // of this frame: waits for images and the device, files that are written
+  bool maskChanged_ = false, exitAsked_ = false, pictureAsked_ = false, menuShown_ = false;
 };
 
 }  // namespace ibr::app

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Show: a place is read, put on the device, shown and left.
 #include <chrono>
+#include <utility>
 
 #include "ibr/error.h"
 #include "shared/settings.h"
@@ -15,7 +16,7 @@ EyeFormat Show::eyeFormat() const {
 }
 
 void Show::beginLoading() {
-  loadingSeconds_ = 0;
+  waitedSeconds_ = 0;
   // What the thread uses of the visit nobody changes meanwhile.
   loading_ = std::async(std::launch::async, [this, eyes = eyeFormat()] {
     std::shared_ptr<const PlaceFiles>& files = visit_.files[visit_.current];
@@ -30,66 +31,59 @@ void Show::beginLoading() {
   });
 }
 
-// A place that cannot be shown is told of, and the former one shown again where there is one.
 void Show::takeLoaded() {
   if (!loading_.valid() || loading_.wait_for(0s) != std::future_status::ready) return;
   try {
     settle(loading_.get());
   } catch (const Error& e) {
-    if (e.code() == ErrorCode::deviceLost || !formerPlace_) throw;
-    say(LogLevel::error, e.what());
-    trouble_ = e.what();
-    visit_.current = *std::exchange(formerPlace_, std::nullopt);
-    beginLoading();
+    if (e.code() == ErrorCode::deviceLost || !visit_.former) throw;
+    goBack(e.what());
+  } catch (const std::exception& e) {
+    if (!visit_.former) throw;
+    goBack(e.what());
   }
+}
+
+// A place that cannot be shown is told of, and the former one shown again, as it was left.
+void Show::goBack(const std::string& why) {
+  trouble_ = why;
+  say(LogLevel::error, why);
+  visit_.current = *std::exchange(visit_.former, std::nullopt);
+  visit_.walk = std::exchange(visit_.formerWalk, std::nullopt);
+  beginLoading();
 }
 
 void Show::settle(std::unique_ptr<StereoPlace> place) {
   place_ = std::move(place);
-  formerPlace_.reset();
+  visit_.former.reset();
+  visit_.formerWalk.reset();
+  for (std::size_t i = 0; i < visit_.files.size(); ++i)
+    if (i != visit_.current) visit_.files[i].reset();
   const PlaceFiles& files = place_->files();
   if (!files.level)
     say(LogLevel::warning,
         fmt::format("{}: the photographs were held in too many ways to tell where up is", files.path.string()));
   governor_ = startGovernor(ladder(options().settings, files.scene.cells.size(), files.scene.backdrops.size()));
+  excuse(governor_);
+  pending_ = {};
   map_ = mapOf(files.walk.spots, files.walk.up);
   if (!visit_.walk)
     visit_.walk = startWalk(files.walk, visit_.walking, 0);
   else
     recentred(*visit_.walk, std::nullopt);  // a headset that was lost may have its space elsewhere now
+  if (menu_.isOpen() || !trouble_.empty()) menu_.open(head_);
 }
 
 // All is black.
 void Show::leavePlace() {
   ring_.wait();
   place_.reset();
-  visit_.walk.reset();
   menu_.close();
   trouble_.clear();
-  formerPlace_ = visit_.current;
+  visit_.formerWalk = std::exchange(visit_.walk, std::nullopt);
+  visit_.former = visit_.current;
   visit_.current = *std::exchange(nextPlace_, std::nullopt);
   beginLoading();
-}
-
-void Show::giveFloor(RenderSettings& settings) {
-  floor_.reset();
-  const PlaceFiles& files = place_->files();
-  if (!options().floor || !files.level) return;
-  glm::dvec3 middle(0);
-  for (const Node& node : files.scene.nodes) middle += node.camera.pose.position / double(files.scene.nodes.size());
-  constexpr double kSpacing = 0.5;  // m
-  const double below = glm::dot(files.walk.up, middle - walked_.tracking.origin);
-  floor_ = FloorWish{below, kSpacing * walked_.tracking.unitsPerMetre};
-  settings.floor = floorBelow(files.scene, *floor_);
-}
-
-void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
-                       std::span<const Target> targets, bool toBeKept) {
-  drawnWith_ = governor_.levels[visit_.governed ? governor_.level : 0];
-  drawnWith_.leaveOutHidden = !toBeKept;
-  giveFloor(drawnWith_);
-  const GpuScope scope(frame.commands, frame.timer, "frame");
-  place_->record(frame, seconds, eyes, drawnWith_, targets);
 }
 
 }  // namespace ibr::app

@@ -2,6 +2,7 @@
 // What is asked of the program, and what stays when the headset or its device is lost and made anew.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -43,12 +44,15 @@ struct Visit {
   std::size_t current = 0;                               // of options.places
   Window* window = nullptr;                              // the mirror; null: there is none
   WalkSettings walking;
-  double eyeHeight = 1.6;         // of LOCAL, m
-  bool governed = true;           // as in VrOptions; the menu changes it
+  double eyeHeight = 1.6;             // of LOCAL, m
+  bool governed = true;               // as in VrOptions; the menu changes it
+  bool leaving = false;               // the user does, or all frames asked for were shown
+  std::optional<std::size_t> former;  // place to come back to where the current one cannot be shown
+  std::optional<WalkState> formerWalk;
   std::optional<WalkState> walk;  // in the current place
   std::uint64_t shown = 0;        // frames of places
   std::uint64_t losses = 0;       // of the headset or its device
-  std::uint64_t validationMessages = 0;
+  std::atomic<std::uint64_t> validationMessages{0};
   std::string headset, eyes;                    // as a person would cite them
   std::vector<std::filesystem::path> pictures;  // that were written
 };
