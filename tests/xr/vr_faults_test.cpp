@@ -80,6 +80,18 @@ TEST_CASE("frames that are not to be drawn show nothing, those without a pose to
   CHECK(empty == std::vector<std::size_t>{20, 21, 22, 25});
 }
 
+TEST_CASE("a head that is known to turn only stays at its place") {
+  const End end = survives("half-view-pose@30-32");
+  json before;
+  for (const json& line : end.record) {
+    if (!line.contains("frame") || line["layers"].empty()) continue;
+    const json& pose = line["layers"][0]["views"][0]["pose"];
+    if (line["frame"] == 29) before = pose;
+    if (line["frame"] >= 30 && line["frame"] <= 32) CHECK(pose == before);
+  }
+  CHECK(before.is_array());
+}
+
 TEST_CASE("events that a runtime sends now and then are taken") {
   survives("recentre@20,recentre=stage@22,mask-changed@24");
 }
