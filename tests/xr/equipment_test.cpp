@@ -125,6 +125,10 @@ TEST_CASE("what a runtime may lack is lacking") {
   CHECK(probe(half, 1).start["maskIndices"] == 6);
   XrSetup none("no-headset");
   CHECK_THAT(probe(none, 1).out, Contains("xrGetSystem"));
+  XrSetup back("instance-loss@3,no-headset=0@3");
+  CHECK(probe(back, 5).code == 0);
+  XrSetup away("instance-loss@3,no-headset=1@3");
+  CHECK_THAT(probe(away, 5).out, Contains("xrGetSystem"));
   XrSetup full("no-swapchain");
   CHECK_THAT(probe(full, 1).out, Contains("xrCreateSwapchain"));
 }

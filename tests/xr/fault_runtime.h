@@ -68,6 +68,7 @@ struct State {
   std::set<XrSession> lost;
   XrSession session = XR_NULL_HANDLE;  // the last that was made
   bool running = false;
+  int lookedFor = 0;  // a headset that is away
   Pause pause = Pause::none;
 
   State(const char* words, const char* file, const char* folder) : faults(words), record(file), pictures(folder) {}

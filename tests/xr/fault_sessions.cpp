@@ -52,8 +52,16 @@ XrResult createInstance(const XrInstanceCreateInfo* info, XrInstance* instance) 
   return behind.createInstance(info, instance);
 }
 
+namespace {
+bool headsetIsAway() {
+  const std::lock_guard lock(state->mutex);
+  const std::optional<std::string> times = state->faults.active("no-headset");
+  return times && (times->empty() || ++state->lookedFor <= std::stoi(*times));
+}
+}  // namespace
+
 XrResult getSystem(XrInstance instance, const XrSystemGetInfo* info, XrSystemId* system) {
-  return stands("no-headset") ? XR_ERROR_FORM_FACTOR_UNAVAILABLE : behind.getSystem(instance, info, system);
+  return headsetIsAway() ? XR_ERROR_FORM_FACTOR_UNAVAILABLE : behind.getSystem(instance, info, system);
 }
 
 XrResult enumerateViewConfigurationViews(XrInstance instance, XrSystemId system, XrViewConfigurationType type,

@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 20> kNames{
     "formats",          // =97:91: the formats of swapchains, best first
     "no-array",         // swapchains of more than one layer are refused
     "no-stage",         // no reference space STAGE
-    "no-headset",       // xrGetSystem finds none
+    "no-headset",       // xrGetSystem finds none; =2: twice, then it is back
     "odd-size",         // =333x217: the recommended size of a view
     "hide",             // =XR_KHR_composition_layer_depth: an extension that is not there
     "empty-mask",       // the visibility masks have no triangles

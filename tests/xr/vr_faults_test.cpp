@@ -57,6 +57,12 @@ TEST_CASE("so does a runtime") {
   CHECK(end.report["losses"] == 1);
 }
 
+TEST_CASE("a headset that is away after a loss is waited for") {
+  const End end = survives("session-loss@20,no-headset=2@20");
+  CHECK(count(end, "session") == 2);
+  CHECK_THAT(end.outcome.err, Contains("Waiting for the headset"));
+}
+
 TEST_CASE("a session that is lost again and again is given up") {
   const End end = visit("session-loss@4,session-loss@7,session-loss@10,session-loss@13,session-loss@16", 1000);
   CHECK(end.outcome.code == 4);
