@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "shared/context.h"
 
@@ -21,6 +22,22 @@ double parsedDouble(const std::string& option, const std::string& text, double l
   if (!value || *value < low || *value > high)
     throw CLI::ValidationError(option, fmt::format("'{}' is not a number from {} to {}", text, low, high));
   return *value;
+}
+
+std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::function<void()>& check) {
+  try {
+    app.parse(argc, argv);
+    check();
+    return std::nullopt;
+  } catch (const CLI::Success& e) {
+    const bool version = dynamic_cast<const CLI::CallForVersion*>(&e);
+    std::fputs(version ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(), stdout);
+    flushResults();
+    return kExitOk;
+  } catch (const CLI::ParseError& e) {
+    const std::string name = app.get_name();
+    return complain(name, fmt::format("{}\n{}: {} --help shows what there is", e.what(), name, name), kExitCommandLine);
+  }
 }
 
 CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,

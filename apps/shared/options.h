@@ -6,12 +6,14 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/parse.h"
+#include "shared/exit_code.h"
 
 namespace ibr::app {
 
@@ -22,6 +24,10 @@ void declareCommonOptions(CLI::App& app, CommonOptions& options);
 
 std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high);
 double parsedDouble(const std::string& option, const std::string& text, double low, double high);
+
+/// Parses the command line of a program and then calls `check`, which throws CLI::ParseError where options do not go
+/// together. What is asked for instead (--help, --version) or is wrong is told; then the program ends with this code.
+std::optional<ExitCode> parsed(CLI::App& app, int argc, char** argv, const std::function<void()>& check);
 
 CLI::Option* addInt(CLI::App& app, const std::string& name, int& value, int low, int high,
                     const std::string& description);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -165,19 +164,8 @@ ExitCode run(int argc, char** argv) {
       "Shows scenes, harmonised models and 3D video in a window to walk through them; F1 there tells the keys.\n",
       "ibr-viewer");
   declare(app, o);
-  try {
-    app.parse(argc, argv);
-    checkOverlays(o.settings);
-  } catch (const CLI::Success& e) {
-    std::fputs(
-        dynamic_cast<const CLI::CallForVersion*>(&e) ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(),
-        stdout);
-    flushResults();
-    return kExitOk;
-  } catch (const CLI::ParseError& e) {
-    return complain(kName, fmt::format("{}\n{}: {} --help shows what there is", e.what(), kName, kName),
-                    kExitCommandLine);
-  }
+  const auto ends = parsed(app, argc, argv, [&] { checkOverlays(o.settings); });
+  if (ends) return *ends;
   const Context context(o.common);
   o.session.device = o.common.device;
   o.session.screenshot = o.screenshot;

@@ -17,19 +17,7 @@ constexpr std::uint32_t kScopes = 64;
 
 FrameRing::FrameRing(const Device& device) : device_(device) {
   for (Slot& slot : slots_) {
-    slot.pool = make<CommandPoolHandle>(device_, vkCreateCommandPool,
-                                        VkCommandPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                                                .queueFamilyIndex = device_.queueFamily()},
-                                        "vkCreateCommandPool");
-    const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                               .commandPool = slot.pool.get(),
-                                               .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                               .commandBufferCount = 1};
-    vk(vkAllocateCommandBuffers(device_.handle(), &allocate, &slot.commands), "vkAllocateCommandBuffers");
-    slot.done = make<FenceHandle>(
-        device_, vkCreateFence,
-        VkFenceCreateInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .flags = VK_FENCE_CREATE_SIGNALED_BIT},
-        "vkCreateFence");
+    static_cast<FrameSlot&>(slot) = makeFrameSlot(device_);
     slot.timer = std::make_unique<ScopeTimer>(device_, kScopes);
   }
 }
@@ -55,10 +43,7 @@ FrameRing::Frame FrameRing::begin() {
   if (frames_ >= kSlots)
     for (const ScopeTime& time : slot.timer->read())
       if (time.depth == 0) deviceMs_ += time.milliseconds;
-  vk(vkResetCommandPool(device_.handle(), slot.pool.get(), 0), "vkResetCommandPool");
-  const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-                                      .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  vk(vkBeginCommandBuffer(slot.commands, &info), "vkBeginCommandBuffer");
+  beginCommands(device_, slot);
   slot.timer->reset(slot.commands);
   ++frames_;
   return {slot.commands, index, frames_, frames_ > kSlots ? frames_ - kSlots : 0, slot.timer.get()};

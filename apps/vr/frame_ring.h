@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "gpu/handle.h"
+#include "gpu/frame_slot.h"
 #include "gpu/scope.h"
 #include "ibr/device.h"
 
@@ -39,10 +39,7 @@ class FrameRing {
   double deviceMs() const noexcept { return deviceMs_; }
 
  private:
-  struct Slot {
-    CommandPoolHandle pool;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    FenceHandle done;
+  struct Slot : FrameSlot {
     std::unique_ptr<ScopeTimer> timer;
   };
   const Device& device_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "shared/settings.h"
 #include "vr/governor.h"
 
 namespace ibr::app {
@@ -21,24 +22,6 @@ RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t c
   if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
   if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
   return settings;
-}
-
-const char* nameOf(BlendMode mode) {
-  return mode == BlendMode::blend ? "blend" : mode == BlendMode::dither ? "dither" : "mixed";
-}
-
-const char* nameOf(ColourMapping mapping) {
-  switch (mapping) {
-    case ColourMapping::off:
-      return "off";
-    case ColourMapping::ours:
-      return "ours";
-    case ColourMapping::paper:
-      return "paper";
-    case ColourMapping::paperRedraw:
-      return "paperRedraw";
-  }
-  return "";
 }
 
 }  // namespace
@@ -74,8 +57,8 @@ std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
   add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
   add(from.renderScale != to.renderScale, "resolution", fmt::format("{:.3g}", from.renderScale),
       fmt::format("{:.3g}", to.renderScale));
-  add(from.blend != to.blend, "blending", nameOf(from.blend), nameOf(to.blend));
-  add(from.colourMapping != to.colourMapping, "colour mapping", nameOf(from.colourMapping), nameOf(to.colourMapping));
+  add(from.blend != to.blend, "blending", wordOf(from.blend), wordOf(to.blend));
+  add(from.colourMapping != to.colourMapping, "colour mapping", wordOf(from.colourMapping), wordOf(to.colourMapping));
   return text;
 }
 

@@ -2,7 +2,6 @@
 // The program `ibr-vr`: stand inside the photographs, with a headset.
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -174,21 +173,12 @@ ExitCode run(int argc, char** argv) {
       "to stand there; the stick turns; the menu button (Y or B) shows a map and settings.\n",
       kName);
   declare(app, o);
-  try {
-    app.parse(argc, argv);
+  const auto ends = parsed(app, argc, argv, [&] {
     checkOverlays(o.vr.settings);
     if (!o.common.device.empty()) throw CLI::ValidationError("--device: the OpenXR runtime chooses the device");
     if (!o.screenshot.empty() && o.frames == 0) throw CLI::ValidationError("--screenshot wants --frames");
-  } catch (const CLI::Success& e) {
-    std::fputs(
-        dynamic_cast<const CLI::CallForVersion*>(&e) ? (std::string(e.what()) + '\n').c_str() : app.help().c_str(),
-        stdout);
-    flushResults();
-    return kExitOk;
-  } catch (const CLI::ParseError& e) {
-    return complain(kName, fmt::format("{}\n{}: {} --help shows what there is", e.what(), kName, kName),
-                    kExitCommandLine);
-  }
+  });
+  if (ends) return *ends;
   take(o);
   const Context context(o.common);
   watchForInterrupt();

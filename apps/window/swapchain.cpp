@@ -84,29 +84,15 @@ VkExtent2D extentOf(const VkSurfaceCapabilitiesKHR& can, VkExtent2D window) {
 Swapchain::Swapchain(const Device& device, const Window& window, const SwapchainOptions& options)
     : device_(device), window_(window), options_(options) {
   makeSurface();
-  for (Slot& slot : slots_) makeSlot(slot);
+  for (Slot& slot : slots_) {
+    static_cast<FrameSlot&>(slot) = makeFrameSlot(device_);
+    slot.acquired = makeSemaphore(device_);
+  }
 }
 
 Swapchain::~Swapchain() {
   waitIdle(device_);
   drop();
-}
-
-void Swapchain::makeSlot(Slot& slot) const {
-  slot.pool = make<CommandPoolHandle>(device_, vkCreateCommandPool,
-                                      VkCommandPoolCreateInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                                              .queueFamilyIndex = device_.queueFamily()},
-                                      "vkCreateCommandPool");
-  const VkCommandBufferAllocateInfo allocate{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                             .commandPool = slot.pool.get(),
-                                             .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                             .commandBufferCount = 1};
-  vk(vkAllocateCommandBuffers(device_.handle(), &allocate, &slot.commands), "vkAllocateCommandBuffers");
-  slot.done = make<FenceHandle>(
-      device_, vkCreateFence,
-      VkFenceCreateInfo{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .flags = VK_FENCE_CREATE_SIGNALED_BIT},
-      "vkCreateFence");
-  slot.acquired = makeSemaphore(device_);
 }
 
 // Colours that are meant for sRGB go into any colour space rather than nowhere.
@@ -236,10 +222,7 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
       vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, options_.pace == Pace::whenever ? 0 : kForever);
   if (waited == VK_TIMEOUT) return std::nullopt;
   vk(waited, "vkWaitForFences");
-  vk(vkResetCommandPool(device_.handle(), slot.pool.get(), 0), "vkResetCommandPool");
-  const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-                                      .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  vk(vkBeginCommandBuffer(slot.commands, &info), "vkBeginCommandBuffer");
+  beginCommands(device_, slot);
   return Frame{slot.commands, drawn_.get(), drawn_.view(), slot_, extent_};
 }
 

@@ -16,6 +16,7 @@
 #include <optional>
 #include <vector>
 
+#include "gpu/frame_slot.h"
 #include "gpu/gpu_image.h"
 #include "gpu/handle.h"
 #include "ibr/device.h"
@@ -96,15 +97,11 @@ class Swapchain {
     VkFormat drawn;            // by us
     VkSurfaceFormatKHR shown;  // by the window
   };
-  struct Slot {
-    CommandPoolHandle pool;
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    FenceHandle done;
+  struct Slot : FrameSlot {
     SemaphoreHandle acquired;
   };
   Format chosenFormat() const;
   VkPresentModeKHR chosenMode() const;
-  void makeSlot(Slot& slot) const;
   void makeSurface();
   void replaceSurface();
   void makeImages();
