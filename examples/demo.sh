@@ -80,6 +80,7 @@ With photographs of your own, of one place and overlapping well:
   $ibr build PHOTOGRAPHS -o SCENE
   $ibr render SCENE --path auto:90 -o PICTURES
   $root/build/release/apps/viewer/ibr-viewer SCENE
+  $root/build/release/apps/vr/ibr-vr SCENE            # in a headset
 END
 viewer=$root/build/release/apps/viewer/ibr-viewer
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -x "$viewer" ]; then
