@@ -18,6 +18,7 @@ bool isEmpty(const Image8& image) {
 struct Asked {
   std::vector<std::string> headset = {}, renderer = {};  // options of ibr-vr alone, and of ibr render too
   std::string faults = "";
+  bool stockDevice = false;
   double unitsPerMetre = 1;
   int tolerance = 0;
 };
@@ -44,6 +45,7 @@ void checkViews(const std::array<Camera, 2>& views, const RemoteState& state, do
 void checkPictures(const RemoteState& state, const Asked& asked) {
   XrSetup setup(asked.faults);
   setup.readPictures();
+  if (asked.stockDevice) setup.useStockDevice();
   std::vector<std::string> words{"--no-governor", "--frames", "60", "--screenshot", setup.folder() / "shot.png"};
   for (const auto* more : {&asked.headset, &asked.renderer}) words.insert(words.end(), more->begin(), more->end());
   Visitor visitor(setup, words);
@@ -78,6 +80,10 @@ TEST_CASE("so they are with all that a runtime may lack") {
   checkPictures(lookingAhead(), {.headset = {"--no-floor"},
                                  .faults = "no-array,odd-size=333x217,no-stage,formats=50,hide=XR_KHR_composition_"
                                            "layer_depth:XR_KHR_visibility_mask"});
+}
+
+TEST_CASE("so they are where a device claims to draw both eyes at once, and does not") {
+  checkPictures(lookingAhead(), {.headset = {"--no-floor"}, .stockDevice = true});
 }
 
 TEST_CASE("a scale puts the eyes further apart, and other settings are kept") {

@@ -68,6 +68,10 @@ std::vector<std::string> XrSetup::environment() const {
   std::ifstream in(runtimeFolder() + "/environment");
   for (std::string line; std::getline(in, line);) variables.push_back(line);
   REQUIRE(!variables.empty());
+  if (stock_)
+    for (const char* name : {"VK_DRIVER_FILES", "VK_ICD_FILENAMES"})
+      variables.push_back(std::string(name) + "=/usr/share/vulkan/icd.d/lvp_icd.x86_64.json");
+  if (stock_) variables.push_back("LD_LIBRARY_PATH=");
   variables.push_back("IBR_XR_RUNTIME_BEHIND=" + runtimeFolder() + "/libopenxr_monado.so");
   variables.push_back("XR_RUNTIME_JSON=" IBR_XR_FAULTS_MANIFEST);
   variables.push_back("IBR_XR_FAULTS=" + faults_);

@@ -36,6 +36,9 @@ class XrSetup {
   std::vector<Image8> pictures(RunningProgram& program);
   void readPictures() { reads_ = true; }
 
+  /// Debian 12's own software device, whose multiview is broken, instead of the one that is laid beside it.
+  void useStockDevice() { stock_ = true; }
+
   /// Lines of the record (frame_record.h): all, or those of frames.
   std::vector<nlohmann::json> record() const;
   std::vector<nlohmann::json> frames() const;
@@ -49,7 +52,7 @@ class XrSetup {
   std::string faults_;
   XrCompositor compositor_;
   int port_;
-  bool reads_ = false;
+  bool reads_ = false, stock_ = false;
   RemoteHeadset headset_;
 };
 
