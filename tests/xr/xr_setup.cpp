@@ -78,6 +78,7 @@ std::vector<std::string> XrSetup::environment() const {
   variables.push_back("IBR_XR_RECORD=" + (folder_ / "record").string());
   if (reads_) variables.push_back("IBR_XR_PICTURES=" + folder_.path().string());
   variables.push_back("XDG_CONFIG_HOME=" + folder_.path().string());
+  variables.push_back("XDG_CACHE_HOME=" + folder_.path().string());
   for (const char* log : {"XRT_LOG", "XRT_COMPOSITOR_LOG", "PROBER_LOG", "REMOTE_LOG"})
     variables.push_back(std::string(log) + "=error");
   variables.push_back(compositor_ == XrCompositor::null ? "XRT_COMPOSITOR_NULL=1" : "XRT_COMPOSITOR_FORCE_XCB=1");
