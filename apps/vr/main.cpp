@@ -49,7 +49,10 @@ void declareComfort(CLI::App& app, Options& o) {
   app.add_option("--space", o.space, "The room as it was set up (stage), or the place where the head is (local) [auto]")
       ->check(CLI::IsMember({"auto", "stage", "local"}));
   addNumber(app, "--eye-height", o.vr.eyeHeight, 0.1, 10, "Where the room is not known: of the eyes at the start, m");
-  addNumber(app, "--scale", o.vr.unitsPerMetre, 1e-6, 1e6, "World units a metre; the map changes it");
+  app.add_option_function<std::string>(
+         "--scale", [&o](const std::string& text) { o.vr.unitsPerMetre = parsedDouble("--scale", text, 1e-6, 1e6); },
+         "World units a metre, which the menu changes [as it was left the last time, else 1]")
+      ->type_name("X");
   addNumber(app, "--photograph-height", o.vr.walk.photographHeightMetres, 0, 1000,
             "Of the photographs above the ground, m");
   addNumber(app, "--snap-turn", o.snapDegrees, 0, 180, "Degrees of a turn by the stick; 0: it does not turn");
@@ -68,7 +71,7 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("DIR");
   app.add_flag("--no-mirror", o.noMirror, "No window that shows what the left eye sees");
   app.add_flag("--no-governor", o.noGovernor, "Draws all that is asked for, also where frames are missed");
-  app.add_flag("--forget", o.forget, "No pipelines are taken from the last time or kept for the next");
+  app.add_flag("--forget", o.forget, "Nothing is taken from the last time or kept for the next: scales, pipelines");
   app.add_flag("--validation", o.vr.validation, "Vulkan's validation layers say what is wrong");
   addInt(app, "--screenshot-every", o.screenshotEvery, 0, 1000000000, "")->group("");  // for tests
   inGroup(app, "Comfort", [&] { declareComfort(app, o); });
@@ -144,7 +147,7 @@ std::unique_ptr<Window> mirrorWindow(const Context& context) try {
 }
 
 double unitsPerMetre(const Visit& visit) {
-  return visit.walk ? visit.walk->tracking.unitsPerMetre : visit.options.unitsPerMetre;
+  return visit.walk ? visit.walk->tracking.unitsPerMetre : visit.firstScale(visit.current);
 }
 
 std::string report(const Visit& visit, const nlohmann::ordered_json& summary) {
@@ -183,7 +186,9 @@ ExitCode run(int argc, char** argv) {
   const Context context(o.common);
   watchForInterrupt();
   FrameLog log(o.log);
-  Visit visit{.options = o.vr, .context = context, .log = log};
+  const fs::path settings = o.forget ? fs::path() : settingsFolder();
+  KeptScales scales(settings.empty() ? fs::path() : settings / "scales.json", context.log());
+  Visit visit{.options = o.vr, .context = context, .log = log, .scales = scales};
   visit.files.resize(o.vr.places.size());
   visit.walking = o.vr.walk;
   visit.eyeHeight = o.vr.eyeHeight;
@@ -198,8 +203,7 @@ ExitCode run(int argc, char** argv) {
   }
   check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
         visit.validationMessages.load());
-  if (unitsPerMetre(visit) != o.vr.unitsPerMetre)
-    context.say(LogLevel::info, "the scale came to --scale {:.4g}", unitsPerMetre(visit));
+  visit.keepScale();
   context.report(report(visit, log.finish()));
   log.check();
   return interrupted() ? kExitInterrupted : kExitOk;

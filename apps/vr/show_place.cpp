@@ -21,7 +21,8 @@ void Show::beginLoading() {
   loading_ = std::async(std::launch::async, [this, eyes = eyeFormat()] {
     std::shared_ptr<const PlaceFiles>& files = visit_.files[visit_.current];
     if (!files)
-      files = std::make_shared<PlaceFiles>(readPlace(options().places[visit_.current], options().unitsPerMetre));
+      files =
+          std::make_shared<PlaceFiles>(readPlace(options().places[visit_.current], visit_.firstScale(visit_.current)));
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = visit_.context.log();
@@ -80,6 +81,7 @@ void Show::leavePlace() {
   place_.reset();
   menu_.close();
   trouble_.clear();
+  visit_.keepScale();
   visit_.formerWalk = std::exchange(visit_.walk, std::nullopt);
   visit_.former = visit_.current;
   visit_.current = *std::exchange(nextPlace_, std::nullopt);

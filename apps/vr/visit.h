@@ -11,6 +11,7 @@
 #include "shared/context.h"
 #include "vr/frame_log.h"
 #include "vr/governor.h"
+#include "vr/kept_scales.h"
 #include "vr/session.h"
 #include "vr/stereo_place.h"
 #include "window/window.h"
@@ -22,12 +23,12 @@ struct VrOptions {
   RenderSettings settings;
   GpuSceneOptions gpuScene;
   WalkSettings walk;
-  std::optional<SpaceKind> space;  // nullopt: STAGE where there is one
-  double eyeHeight = 1.6;          // of LOCAL, m
-  double unitsPerMetre = 1;        // of the world
-  bool floor = true;               // the guiding floor, at the real one's height
-  bool governed = true;            // the frame governor may draw less
-  bool mirror = true;              // a window that shows the left eye, where there is a display
+  std::optional<SpaceKind> space;       // nullopt: STAGE where there is one
+  double eyeHeight = 1.6;               // of LOCAL, m
+  std::optional<double> unitsPerMetre;  // of the world; nullopt: as the scene's user left it, else 1
+  bool floor = true;                    // the guiding floor, at the real one's height
+  bool governed = true;                 // the frame governor may draw less
+  bool mirror = true;                   // a window that shows the left eye, where there is a display
   bool validation = false;
   std::filesystem::path pipelineCache;  // file; empty: none
   std::uint64_t frames = 0;             // to show before it ends; 0: until the user leaves
@@ -40,6 +41,7 @@ struct Visit {
   const VrOptions& options;
   const Context& context;
   FrameLog& log;
+  KeptScales& scales;
   std::vector<std::shared_ptr<const PlaceFiles>> files;  // of options.places; null until they are read
   std::size_t current = 0;                               // of options.places
   Window* window = nullptr;                              // the mirror; null: there is none
@@ -53,7 +55,18 @@ struct Visit {
   std::uint64_t shown = 0;        // frames of places
   std::uint64_t losses = 0;       // of the headset or its device
   std::atomic<std::uint64_t> validationMessages{0};
-  std::string headset, eyes;                    // as a person would cite them
+  std::string headset, eyes;  // as a person would cite them
+
+  /// World units, of a place when it is entered.
+  double firstScale(std::size_t place) const {
+    return options.unitsPerMetre.value_or(scales.of(options.places[place]).value_or(1));
+  }
+  /// For the next time, where the user has changed it.
+  void keepScale() {
+    if (walk && walk->tracking.unitsPerMetre != walk->firstUnitsPerMetre)
+      scales.keep(options.places[current], walk->tracking.unitsPerMetre);
+  }
+
   std::vector<std::filesystem::path> pictures;  // that were written
 };
 

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vr/kept_scales.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <limits>
+
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using ibr::app::KeptScales;
+
+namespace {
+
+struct Log {
+  int warnings = 0;
+  ibr::LogCallback callback() {
+    return [this](ibr::LogLevel, std::string_view) { ++warnings; };
+  }
+};
+
+}  // namespace
+
+TEST_CASE("scales are there the next time, each scene its own, however its path is written") {
+  ibr::test::TemporaryFolder folder;
+  Log log;
+  {
+    KeptScales scales(folder / "scales.json", log.callback());
+    CHECK_FALSE(scales.of(folder / "hall"));
+    scales.keep(folder / "hall", 0.37);
+    scales.keep(folder / "garden", 1e-6);
+    scales.keep(folder / "hall", 0.1 + 0.2);
+    CHECK(scales.of(folder / "hall") == 0.1 + 0.2);
+  }
+  const KeptScales again(folder / "scales.json", log.callback());
+  CHECK(again.of(folder / "garden" / ".." / "hall" / "") == 0.1 + 0.2);
+  CHECK(again.of(folder / "garden") == 1e-6);
+  CHECK_FALSE(again.of(folder / "yard"));
+  CHECK(log.warnings == 0);
+}
+
+TEST_CASE("what is no scale is neither kept nor believed") {
+  ibr::test::TemporaryFolder folder;
+  Log log;
+  const fs::path file = folder / "scales.json";
+  KeptScales scales(file, log.callback());
+  for (const double bad :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    scales.keep(folder / "hall", bad);
+  CHECK_FALSE(fs::exists(file));
+  std::ofstream(file) << R"({"version":1,"scales":{"/a":0,"/b":-1,"/c":"2","/d":3}})";
+  const KeptScales read(file, log.callback());
+  for (const char* scene : {"/a", "/b", "/c"}) CHECK_FALSE(read.of(scene));
+  CHECK(read.of("/d") == 3.0);
+  CHECK(log.warnings == 0);
+}
+
+TEST_CASE("a file that is broken, or cannot be written, is told of and does no harm") {
+  ibr::test::TemporaryFolder folder;
+  const fs::path file = folder / "scales.json";
+  for (const char* text : {"", "{", "[]", R"({"scales":3})"}) {
+    Log log;
+    std::ofstream(file, std::ios::trunc) << text;
+    CHECK_FALSE(KeptScales(file, log.callback()).of("/a"));
+    CHECK(log.warnings == (std::string(text) == R"({"scales":3})" ? 0 : 1));
+  }
+  Log log;
+  KeptScales nowhere(folder / "missing" / "scales.json", log.callback());
+  nowhere.keep("/a", 2);
+  CHECK(log.warnings == 1);
+  CHECK(nowhere.of("/a") == 2.0);
+  KeptScales none({}, log.callback());
+  none.keep("/a", 2);
+  CHECK(log.warnings == 1);
+}
