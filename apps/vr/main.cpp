@@ -203,7 +203,9 @@ ExitCode run(int argc, char** argv) {
   }
   check(visit.validationMessages == 0, ErrorCode::vulkan, "Vulkan's validation layers have sent {} messages",
         visit.validationMessages.load());
-  visit.keepScale();
+  if (visit.keepScale())
+    context.say(LogLevel::info, "the scale came to --scale {:.4g}, which is kept for the next time",
+                unitsPerMetre(visit));
   context.report(report(visit, log.finish()));
   log.check();
   return interrupted() ? kExitInterrupted : kExitOk;

@@ -62,9 +62,10 @@ struct Visit {
     return options.unitsPerMetre.value_or(scales.of(options.places[place]).value_or(1));
   }
   /// For the next time, where the user has changed it.
-  void keepScale() {
-    if (walk && walk->tracking.unitsPerMetre != walk->firstUnitsPerMetre)
-      scales.keep(options.places[current], walk->tracking.unitsPerMetre);
+  bool keepScale() {
+    const bool changed = walk && walk->tracking.unitsPerMetre != walk->firstUnitsPerMetre;
+    if (changed) scales.keep(options.places[current], walk->tracking.unitsPerMetre);
+    return changed;
   }
 
   std::vector<std::filesystem::path> pictures;  // that were written
