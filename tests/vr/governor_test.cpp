@@ -311,3 +311,37 @@ TEST_CASE("governor: the same frames give the same decisions") {
   const Simulated device = steady(1.3 * kPeriod90, 0.85, 0.2);
   CHECK((run(a, device, 5000).levels == run(b, device, 5000).levels));
 }
+
+TEST_CASE("governor: what was excused, and the frame that comes late because of one before, change nothing") {
+  GovernorState excused = fresh();
+  for (int i = 0; i < 20; ++i) govern(excused, {5.8, kPeriod90, false});
+  GovernorState blamed = excused;
+  excuse(excused);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(govern(excused, {300, kPeriod90, true}).reason.empty());
+    govern(blamed, {300, kPeriod90, true});
+  }
+  for (int i = 0; i < 50; ++i) CHECK(govern(excused, {5.8, kPeriod90, false}).reason.empty());
+  CHECK(excused.level == 0);
+  CHECK(blamed.level > 0);
+  // It does not last.
+  for (int i = 0; i < 5; ++i) govern(excused, {300, kPeriod90, true});
+  CHECK(excused.level > 0);
+
+  GovernorState late = fresh();
+  for (int i = 0; i < 20; ++i) govern(late, {5.8, kPeriod90, false});
+  CHECK(govern(late, {300, kPeriod90, true}).reason.empty());
+  CHECK(govern(late, {5.8, kPeriod90, true}).reason.empty());
+  CHECK(late.level == 0);
+}
+
+TEST_CASE("governor: a line says what was measured, and that a frame was missed") {
+  GovernorState state = fresh();
+  for (int i = 0; i < 20; ++i) govern(state, {7.8, 11.111, false});
+  CHECK(govern(state, {7.9, 11.111, true}).reason ==
+        "frame 21: 7.9 ms of 11.1 ms, missed: cells 12 → 8, backdrops 12 → 8");
+  GovernorState unknown = fresh();
+  std::string line;
+  for (int i = 0; i < 10 && line.empty(); ++i) line = govern(unknown, {kNaN, 11.111, true}).reason;
+  CHECK(line.find(": missed: cells") != std::string::npos);
+}
