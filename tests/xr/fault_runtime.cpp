@@ -65,6 +65,7 @@ const Override kOverrides[]{
     over("xrDestroySession", &destroySession, behind.destroySession),
     over("xrBeginSession", &beginSession, behind.beginSession),
     over("xrEndSession", &endSession, behind.endSession),
+    over("xrRequestExitSession", &requestExitSession, behind.requestExitSession),
     over("xrPollEvent", &pollEvent, behind.pollEvent),
     over("xrEnumerateReferenceSpaces", &enumerateReferenceSpaces, behind.enumerateReferenceSpaces),
     over("xrCreateReferenceSpace", &createReferenceSpace, behind.createReferenceSpace),
@@ -84,7 +85,7 @@ const Override kOverrides[]{
 };
 
 XrResult getInstanceProcAddr(XrInstance instance, const char* name, PFN_xrVoidFunction* function) {
-  if (instance && !behind.requestExitSession) {  // called by us alone
+  if (instance && !behind.requestExitSession) {  // called by us whether or not by the program
     behind.getInstanceProcAddr(instance, "xrRequestExitSession", slot(behind.requestExitSession));
     behind.getInstanceProcAddr(instance, "xrEnumerateSwapchainImages", slot(behind.enumerateSwapchainImages));
   }

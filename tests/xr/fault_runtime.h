@@ -119,6 +119,7 @@ XrResult createSession(XrInstance instance, const XrSessionCreateInfo* info, XrS
 XrResult destroySession(XrSession session);
 XrResult beginSession(XrSession session, const XrSessionBeginInfo* info);
 XrResult endSession(XrSession session);
+XrResult requestExitSession(XrSession session);
 XrResult pollEvent(XrInstance instance, XrEventDataBuffer* event);
 XrResult enumerateReferenceSpaces(XrSession session, std::uint32_t capacity, std::uint32_t* count,
                                   XrReferenceSpaceType* into);

@@ -128,6 +128,14 @@ XrResult endSession(XrSession session) {
   return behind.endSession(session);
 }
 
+XrResult requestExitSession(XrSession session) {
+  if (isLost(session)) return XR_ERROR_SESSION_LOST;
+  if (!stands("loss-at-exit")) return behind.requestExitSession(session);
+  const std::lock_guard lock(state->mutex);
+  state->lost.insert(session);
+  return XR_SUCCESS;
+}
+
 bool rests(XrSession session) {
   const std::lock_guard lock(state->mutex);
   return session == state->session && state->pause == Pause::ended;

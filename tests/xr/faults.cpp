@@ -11,7 +11,7 @@
 namespace ibr::test {
 namespace {
 
-constexpr std::array<std::string_view, 20> kNames{
+constexpr std::array<std::string_view, 21> kNames{
     // Once, at a frame.
     "session-loss",   // every call of the session fails from then on
     "loss-pending",   // the state LOSS_PENDING
@@ -33,6 +33,7 @@ constexpr std::array<std::string_view, 20> kNames{
     "hide",             // =XR_KHR_composition_layer_depth: an extension that is not there
     "empty-mask",       // the visibility masks have no triangles
     "half-mask",        // the visibility masks hide what is left of the view's middle
+    "loss-at-exit",     // a session that the program asks to end is lost instead
     "no-swapchain",     // xrCreateSwapchain fails
 };
 

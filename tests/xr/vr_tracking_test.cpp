@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// A head that is tracked by halves, or by no numbers, in ibr-vr; and where its results cannot go.
+#include <cmath>
+
+#include "vr_menu_user.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using nlohmann::json;
+
+namespace {
+
+glm::dvec3 eyeOf(const json& frame, std::size_t eye) {
+  return recordedPose(frame["layers"][0]["views"][eye]["pose"]).position;
+}
+
+}  // namespace
+
+TEST_CASE("a headset that never knows where it is shows the place in stereo, at a usual height") {
+  XrSetup setup("half-view-pose");
+  Visitor visitor(setup);
+  visitor.move(lookingAhead());
+  visitor.waitForScene();
+  visitor.leave();
+  const std::vector<json> frames = shownFrames(setup);
+  REQUIRE(frames.size() > 15);
+  for (const json& frame : frames) {
+    INFO(frame.dump());
+    REQUIRE(frame["layers"][0]["views"][0]["pose"][0].is_number());
+    CHECK(glm::distance(eyeOf(frame, 0), {-0.0315, 1.6, 0}) < 1e-5);
+    CHECK(glm::distance(eyeOf(frame, 1), {0.0315, 1.6, 0}) < 1e-5);
+  }
+}
+
+TEST_CASE("poses of no numbers and fields of view of no picture are passed over") {
+  XrSetup setup;
+  Visitor visitor(setup);
+  visitor.move(lookingAhead());
+  visitor.waitForScene();
+  RemoteState state = lookingAhead();
+  state.eyes[0].fov = {0.5, -0.5, 0.5, -0.5};
+  visitor.move(state);
+  const json without = setup.frames().back();
+  CHECK(without["layers"].empty());
+  state = lookingAhead();
+  state.head.position.x = std::nan("");
+  visitor.move(state);
+  state.head.rotation.x = std::nan("");
+  visitor.move(state);
+  visitor.move(lookingAhead({0.1, 1.6, 0}));
+  visitor.leave();
+  for (const json& frame : shownFrames(setup))
+    for (const json& layer : frame["layers"])
+      for (const json& view : layer["views"])
+        for (const json& number : view["pose"]) CHECK(number.is_number());
+  const json last = shownFrames(setup).back();
+  CHECK(glm::distance(eyeOf(last, 0), glm::dvec3(0.1, 1.6, 0) + lookingAhead().eyes[0].pose.position) < 1e-5);
+}
+
+TEST_CASE("a log that cannot be written is told of at the end, after the report") {
+  XrSetup setup;
+  fs::create_symlink("/dev/full", setup.folder() / "log");
+  Visitor visitor(setup, {"--frames", "8"});
+  const Outcome outcome = visitor.finish();
+  CHECK(outcome.code == 2);
+  CHECK(json::parse(outcome.out)["frames"]["frames"] == 8);
+}
+
+TEST_CASE("who has asked for the end gets it from a headset that is lost then") {
+  XrSetup setup("loss-at-exit");
+  Visitor visitor(setup, {"--frames", "8"});
+  const Outcome outcome = visitor.finish();
+  CHECK(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  CHECK(report["losses"] == 0);
+  CHECK(report["frames"]["frames"] == 8);
+}
