@@ -32,6 +32,17 @@ pid_t start(std::vector<std::string> words, int keep) {
   ::_exit(127);
 }
 
+std::string outputOf(std::vector<std::string> words);
+
+// GLFW waits for a window for ever whose manager comes between its making and its showing.
+void waitForManager() {
+  for (int tries = 0; tries < 100; ++tries, sleepFor(0.1)) try {
+      outputOf({"sh", "-c", "xdotool get_desktop 2>/dev/null"});
+      return;
+    } catch (const std::runtime_error&) {  // not yet
+    }
+}
+
 struct Display {
   pid_t server = -1, manager = -1;
   std::string number;
@@ -48,6 +59,7 @@ struct Display {
     if (number.empty()) return;
     ::setenv("DISPLAY", (":" + number).c_str(), 1);
     manager = start({"openbox"}, -1);
+    waitForManager();
   }
   ~Display() {
     for (const pid_t child : {manager, server})
