@@ -60,4 +60,9 @@ fs::path picturesFolder() {
   return fs::current_path(ignored);
 }
 
+std::string folderName(const fs::path& path) {
+  const fs::path whole = fs::absolute(path).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
 }  // namespace ibr::app

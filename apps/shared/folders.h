@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace ibr::app {
 
@@ -14,5 +15,8 @@ std::filesystem::path cacheFolder();
 /// Where what a person makes goes: ibr in the folder for pictures that user-dirs.dirs names, or in ~/Pictures; the
 /// current folder where neither is there. Not made.
 std::filesystem::path picturesFolder();
+
+/// What people call a folder or file: its own name, also where the path ends in a slash or is ".".
+std::string folderName(const std::filesystem::path& path);
 
 }  // namespace ibr::app

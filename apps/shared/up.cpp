@@ -27,16 +27,25 @@ std::vector<Pose> posesOf(const HtmModel& model) {
   return poses;
 }
 
-Floor floorBelow(const Scene& scene, const FloorWish& wish) {
-  const auto up = upOf(posesOf(scene));
-  check(up.has_value(), ErrorCode::invalidInput,
-        "--floor: the photographs were held in too many ways to tell where up is");
+glm::dvec3 centreOf(const std::vector<Pose>& cameras) {
   glm::dvec3 middle(0);
-  for (const Node& node : scene.nodes) middle += node.camera.pose.position / double(scene.nodes.size());
+  for (const Pose& pose : cameras) middle += pose.position / double(cameras.size());
+  return middle;
+}
+
+Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish) {
   const double spacing = wish.spacing.value_or(0.5 * wish.eyeHeight);
   check(spacing > 0, ErrorCode::invalidInput, "--floor {}: above the photographs, it wants --floor-spacing",
         wish.eyeHeight);
-  return {*up, glm::dot(*up, middle) - wish.eyeHeight, spacing, 16 * spacing};
+  return {up, glm::dot(up, middle) - wish.eyeHeight, spacing, 16 * spacing};
+}
+
+Floor floorBelow(const Scene& scene, const FloorWish& wish) {
+  const std::vector<Pose> poses = posesOf(scene);
+  const auto up = upOf(poses);
+  check(up.has_value(), ErrorCode::invalidInput,
+        "--floor: the photographs were held in too many ways to tell where up is");
+  return floorBelow(centreOf(poses), *up, wish);
 }
 
 }  // namespace ibr::app

@@ -24,6 +24,12 @@ struct FloorWish {
   std::optional<double> spacing;  // of its lines, > 0; nullopt: half the eye height
 };
 
+/// The mean of the cameras' places; of at least one.
+glm::dvec3 centreOf(const std::vector<Pose>& cameras);
+
+/// Below `middle`, level with `up` (unit). Throws Error{invalidInput} where there is no spacing to be had.
+Floor floorBelow(glm::dvec3 middle, glm::dvec3 up, const FloorWish& wish);
+
 /// Level as the photographs were held. Throws Error{invalidInput} where they do not tell where up is, or where there is
 /// no spacing to be had.
 Floor floorBelow(const Scene& scene, const FloorWish& wish);

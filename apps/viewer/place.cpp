@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "ibr/asset.h"
 #include "io/image_file.h"
+#include "shared/folders.h"
 #include "shared/htm_renderer.h"
 #include "shared/path_recorder.h"
 #include "shared/up.h"
@@ -47,8 +48,7 @@ std::size_t middleOf(const std::vector<Pose>& poses) {
 
 Place openPlace(const fs::path& path) {
   static std::atomic<std::uint64_t> opened = 0;
-  Place place{.number = ++opened, .path = path, .name = fs::absolute(path).lexically_normal().filename().string()};
-  if (place.name.empty()) place.name = fs::absolute(path).parent_path().filename().string();
+  Place place{.number = ++opened, .path = path, .name = folderName(path)};
   const std::optional<AssetKind> kind = assetKind(path);
   check(kind.has_value(), fs::exists(path) ? ErrorCode::invalidInput : ErrorCode::io, "{}: {}", path.string(),
         fs::exists(path) ? "is no scene, harmonised model or 3D video" : "is missing");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What became of each frame, as lines of JSON in a file that is whole at any time, and what they come to.
 //
-//   {"frame":1,"intervalMs":13.9,"processorMs":3.1,"deviceMs":7.9,"level":0,"cells":12}
+//   {"frame":1,"intervalMs":13.9,"processorMs":3.1,"deviceMs":7.9,"level":0,"cells":12,"missed":false}
 //   {"frame":812,"decision":"frame 812: 10.4 ms of 11.1 ms: cells 12 → 8"}
 //   {"summary":{"frames":900,"intervalMs":{"p50":…,"p95":…,"p99":…},…,"missed":3}}
 #pragma once

@@ -49,7 +49,6 @@ class Headset {
   /// A Device of its own for each thread that uses the device; all lock the queue. The headset must outlive it.
   Device device(LogCallback log);
   std::mutex& queueMutex() noexcept { return queueMutex_; }
-  VkDevice vulkanDevice() const noexcept { return device_.get(); }
   bool hasDeviceExtensions() const noexcept { return hasExtensions_; }  // HeadsetOptions::deviceExtensions, all
 
  private:

@@ -28,7 +28,8 @@ bool isScale(double value) {
 }  // namespace
 
 KeptScales::KeptScales(const fs::path& file, LogCallback log) : file_(file), log_(std::move(log)) {
-  if (file_.empty() || !fs::exists(file_)) return;
+  std::error_code unknown;
+  if (file_.empty() || !fs::exists(file_, unknown)) return;
   try {
     const std::vector<std::byte> bytes = readFile(file_, kLargestFile);
     const auto* text = reinterpret_cast<const char*>(bytes.data());

@@ -57,13 +57,11 @@ class Session {
   XrSession get() const noexcept { return session_.get(); }
   XrSpace space() const noexcept { return space_.get(); }
   SpaceKind spaceKind() const noexcept { return kind_; }
-  XrSessionState state() const noexcept { return state_; }
 
   /// Goes where the runtime wants the session to be. Throws Error{deviceLost} where it, or all of the runtime, is lost
   /// or about to be.
   SessionEvents handleEvents();
   bool running() const noexcept { return running_; }  // frames are wanted
-  bool focused() const noexcept { return state_ == XR_SESSION_STATE_FOCUSED; }
   bool ended() const noexcept { return ended_; }
   /// The runtime then lets it end. Nothing while it does not run.
   void requestExit();

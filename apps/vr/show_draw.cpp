@@ -80,12 +80,10 @@ void Show::giveFloor(RenderSettings& settings) {
   floor_.reset();
   const PlaceFiles& files = place_->files();
   if (!options().floor || !files.level) return;
-  glm::dvec3 middle(0);
-  for (const Node& node : files.scene.nodes) middle += node.camera.pose.position / double(files.scene.nodes.size());
   constexpr double kSpacing = 0.5;  // m
-  const double below = glm::dot(files.walk.up, middle - walked_.tracking.origin);
+  const double below = glm::dot(files.walk.up, files.middle - walked_.tracking.origin);
   floor_ = FloorWish{below, kSpacing * walked_.tracking.unitsPerMetre};
-  settings.floor = floorBelow(files.scene, *floor_);
+  settings.floor = floorBelow(files.middle, files.walk.up, *floor_);
 }
 
 void Show::addHands(Shapes& shapes) const {

@@ -4,14 +4,14 @@
 #include <numbers>
 #include <utility>
 
+#include "shared/folders.h"
 #include "vr/show.h"
 
 namespace ibr::app {
 
 MenuModel Show::menuModel() const {
   MenuModel model;
-  for (const std::filesystem::path& place : options().places)
-    model.scenes.push_back(place.lexically_normal().filename().string());
+  for (const std::filesystem::path& place : options().places) model.scenes.push_back(folderName(place));
   model.scene = visit_.current;
   const WalkPlace& place = place_->files().walk;
   const Pose head = inWorld(walked_.tracking, head_);
@@ -58,7 +58,7 @@ void Show::obeyMenu(double seconds) {
 void Show::obeyWaitingMenu(double seconds) {
   std::array<HandOutput, 2> hands;
   for (const Hand hand : {kLeft, kRight}) {
-    const bool pressed = input_[hand].menu && !std::exchange(menuHeld_[hand], input_[hand].menu);
+    const bool held = std::exchange(menuHeld_[hand], input_[hand].menu), pressed = input_[hand].menu && !held;
     if (pressed && menu_.isOpen())
       menu_.close();
     else if (pressed)

@@ -54,11 +54,12 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
 PlaceFiles readPlace(const std::filesystem::path& path, double unitsPerMetre) {
   check(assetKind(path).value_or(AssetKind::scene) == AssetKind::scene, ErrorCode::unsupported,
         "{}: harmonised models are for flat screens (ibr-viewer); ibr-vr shows scenes", path.string());
-  PlaceFiles files{.path = path, .name = path.lexically_normal().filename().string(), .scene = loadScene(path)};
+  PlaceFiles files{.path = path, .scene = loadScene(path)};
   check(!files.scene.nodes.empty(), ErrorCode::invalidInput, "{}: the scene has no photographs", path.string());
   files.bounds = sceneBounds(files.scene);
   const std::vector<Pose> poses = posesOf(files.scene);
   const std::optional<glm::dvec3> up = upOf(poses);
+  files.middle = centreOf(poses);
   files.level = up.has_value();
   const glm::dvec3 upwards = up.value_or(glm::dvec3(0, 1, 0));
   files.walk = walkPlace(spotsOf(poses, upwards), upwards, unitsPerMetre, boundsOf(files.scene));

@@ -21,11 +21,11 @@ namespace ibr::app {
 /// What is read of a scene's files, and what follows from it; it stays when a device is lost.
 struct PlaceFiles {
   std::filesystem::path path;
-  std::string name;  // of the folder
   Scene scene;
   SceneBounds bounds;
   WalkPlace walk;
-  bool level = true;  // false: photographs were held in too many ways to tell where up is; then y is
+  glm::dvec3 middle{0};  // of the photographs
+  bool level = true;     // false: photographs were held in too many ways to tell where up is; then y is
 };
 
 /// For any thread. `unitsPerMetre`: of the world. Throws Error that names the file.
