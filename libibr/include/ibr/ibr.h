@@ -4,6 +4,7 @@
 
 #include "ibr/asset.h"
 #include "ibr/camera.h"
+#include "ibr/capture.h"
 #include "ibr/conventions.h"
 #include "ibr/device.h"
 #include "ibr/ecc_pass.h"

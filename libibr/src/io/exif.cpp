@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXIF 2.32 §4.5–4.6: a TIFF header, and a first directory (IFD0) of 12-byte entries.
+// EXIF 2.32 §4.5–4.6: a TIFF header, a first directory (IFD0) of 12-byte entries, and one that it names (Exif IFD).
 #include "io/exif.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -25,25 +26,97 @@ class Fields {
   bool bigEndian_;
 };
 
+enum Type : std::uint32_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5 };
+
+// Of one directory.
+class Directory {
+ public:
+  Directory(const Fields& fields, std::size_t at)
+      : fields_(fields), at_(at), entries_(fields.read(at, 2).value_or(0)) {}
+
+  // The first value; nothing of another type.
+  std::optional<std::uint32_t> whole(std::uint32_t tag) const {
+    const auto entry = find(tag);
+    const auto type = entry ? fields_.read(*entry + 2, 2) : std::nullopt;
+    if (type == kShort) return fields_.read(*entry + 8, 2);
+    return type == kLong ? fields_.read(*entry + 8, 4) : std::nullopt;
+  }
+
+  // 0 where it is not a positive number.
+  double ratio(std::uint32_t tag) const {
+    const auto entry = find(tag);
+    if (!entry || fields_.read(*entry + 2, 2) != kRational) return 0;
+    const std::uint32_t at = fields_.read(*entry + 8, 4).value_or(~0u);
+    const double above = fields_.read(at, 4).value_or(0), below = fields_.read(std::size_t(at) + 4, 4).value_or(0);
+    return below > 0 ? above / below : 0;
+  }
+
+  std::string text(std::uint32_t tag) const {
+    constexpr std::uint32_t kLongest = 128;
+    const auto entry = find(tag);
+    if (!entry || fields_.read(*entry + 2, 2) != kAscii) return {};
+    const std::uint32_t count = fields_.read(*entry + 4, 4).value_or(0);
+    const std::size_t at = count <= 4 ? *entry + 8 : fields_.read(*entry + 8, 4).value_or(~0u);
+    std::string text;
+    for (std::uint32_t i = 0; i < std::min(count, kLongest); ++i) {
+      const std::uint32_t c = fields_.read(at + i, 1).value_or(0);
+      if (c == 0) break;
+      text += c >= ' ' && c <= '~' ? char(c) : '?';
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    return text;
+  }
+
+ private:
+  std::optional<std::size_t> find(std::uint32_t tag) const {
+    for (std::uint32_t i = 0; i < entries_; ++i) {
+      const std::size_t entry = at_ + 2 + 12 * std::size_t(i);
+      const auto found = fields_.read(entry, 2);
+      if (!found) return std::nullopt;
+      if (*found == tag) return entry;
+    }
+    return std::nullopt;
+  }
+
+  const Fields& fields_;
+  std::size_t at_;
+  std::uint32_t entries_;
+};
+
+// 16 bits hold no more than 65535, which then stands for "see there" (§4.6.5, PhotographicSensitivity).
+double sensitivity(const Directory& exif) {
+  constexpr std::uint32_t kPhotographic = 0x8827, kSeeThere = 65535;
+  constexpr std::uint32_t kWide[] = {0x8832, 0x8833, 0x8831};  // recommended exposure index, ISO speed, standard output
+  const std::uint32_t stated = exif.whole(kPhotographic).value_or(0);
+  if (stated != kSeeThere) return stated;
+  for (const std::uint32_t tag : kWide)
+    if (const auto value = exif.whole(tag); value.value_or(0) > 0) return *value;
+  return 0;
+}
+
 }  // namespace
 
-int exifOrientation(std::span<const std::byte> tiff) {
-  constexpr std::uint32_t kOrientation = 0x0112, kShort = 3;
-  if (tiff.size() < 8 || tiff[0] != tiff[1] || (tiff[0] != std::byte('I') && tiff[0] != std::byte('M'))) return 1;
+Exif readExif(std::span<const std::byte> tiff) {
+  Exif result;
+  if (tiff.size() < 8 || tiff[0] != tiff[1] || (tiff[0] != std::byte('I') && tiff[0] != std::byte('M'))) return result;
   const Fields fields(tiff, tiff[0] == std::byte('M'));
-  if (fields.read(2, 2) != 42u) return 1;
-  const std::size_t directory = *fields.read(4, 4);
-  const std::uint32_t entries = fields.read(directory, 2).value_or(0);
-  for (std::uint32_t i = 0; i < entries; ++i) {
-    const std::size_t entry = directory + 2 + 12 * std::size_t(i);
-    const auto tag = fields.read(entry, 2);
-    if (!tag) return 1;
-    if (*tag != kOrientation) continue;
-    const auto value = fields.read(entry + 8, 2);
-    const bool valid = fields.read(entry + 2, 2) == kShort && value && *value >= 1 && *value <= 8;
-    return valid ? int(*value) : 1;
-  }
-  return 1;
+  if (fields.read(2, 2) != 42u) return result;
+  const Directory first(fields, *fields.read(4, 4));
+  if (const std::uint32_t value = first.whole(0x0112).value_or(1); value >= 1 && value <= 8)
+    result.orientation = int(value);
+  CaptureFacts& capture = result.capture;
+  capture.maker = first.text(0x010f);
+  capture.model = first.text(0x0110);
+  const auto at = first.whole(0x8769);
+  if (!at) return result;
+  const Directory exif(fields, *at);
+  capture.exposureTime = exif.ratio(0x829a);
+  capture.fNumber = exif.ratio(0x829d);
+  capture.iso = sensitivity(exif);
+  capture.focalLength = exif.ratio(0x920a);
+  capture.focalLength35 = exif.whole(0xa405).value_or(0);
+  capture.lens = exif.text(0xa434);
+  return result;
 }
 
 }  // namespace ibr::io

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one field of EXIF metadata that changes what a picture shows.
+// EXIF metadata: how a picture is turned, and how it was exposed.
 #pragma once
 
 #include <cstddef>
 #include <span>
 
+#include "ibr/capture.h"
+
 namespace ibr::io {
 
-/// The orientation (1 to 8) of an EXIF block that begins with its TIFF header ("II*" or "MM*"). 1, "as stored", where
-/// there is none or the block is damaged: metadata never makes a photograph unreadable.
-int exifOrientation(std::span<const std::byte> tiff);
+struct Exif {
+  int orientation = 1;  // 1 to 8; 1, "as stored", where there is none
+  CaptureFacts capture;
+};
+
+/// Of an EXIF block that begins with its TIFF header ("II*" or "MM*"), which a TIFF file does, too. What is missing or
+/// damaged is as if it were not there: metadata never makes a photograph unreadable.
+Exif readExif(std::span<const std::byte> tiff);
 
 }  // namespace ibr::io

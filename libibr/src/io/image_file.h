@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ibr/capture.h"
 #include "ibr/image.h"
 
 namespace ibr {
@@ -18,6 +19,7 @@ struct ImageFileInfo {
   int channels = 0;
   int bitsPerChannel = 0;
   int orientation = 1;  // EXIF, 1 to 8
+  CaptureFacts capture;  // EXIF
 };
 
 struct ReadLimits {

@@ -112,16 +112,18 @@ class Decoder : public Codec<jpeg_decompress_struct> {
   }
 
   ImageFileInfo info() const {
-    return {int(state.image_width), int(state.image_height), state.num_components, state.data_precision, orientation()};
+    const Exif exif = this->exif();
+    return {int(state.image_width), int(state.image_height), state.num_components, state.data_precision,
+            exif.orientation,       exif.capture};
   }
 
  private:
-  int orientation() const {
+  Exif exif() const {
     constexpr char kExif[6] = {'E', 'x', 'i', 'f', 0, 0};
     for (auto marker = state.marker_list; marker; marker = marker->next)
       if (marker->data_length > sizeof kExif && std::memcmp(marker->data, kExif, sizeof kExif) == 0)
-        return exifOrientation(std::as_bytes(std::span(marker->data, marker->data_length)).subspan(sizeof kExif));
-    return 1;
+        return readExif(std::as_bytes(std::span(marker->data, marker->data_length)).subspan(sizeof kExif));
+    return {};
   }
 
   jpeg_progress_mgr progress_{};

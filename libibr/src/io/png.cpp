@@ -81,8 +81,10 @@ class Decoder : public Codec {
   ImageFileInfo probe() {
     const int type = png_get_color_type(png, info);
     const bool palette = type == PNG_COLOR_TYPE_PALETTE;
+    const Exif exif = this->exif();
     return {int(png_get_image_width(png, info)), int(png_get_image_height(png, info)),
-            palette ? 3 : png_get_channels(png, info), palette ? 8 : png_get_bit_depth(png, info), orientation()};
+            palette ? 3 : png_get_channels(png, info), palette ? 8 : png_get_bit_depth(png, info), exif.orientation,
+            exif.capture};
   }
 
  private:
@@ -93,11 +95,11 @@ class Decoder : public Codec {
     rest = rest.subspan(size);
   }
 
-  int orientation() {
+  Exif exif() {
     png_uint_32 size = 0;
     png_bytep data = nullptr;
-    if (png_get_eXIf_1(png, info, &size, &data) == 0) return 1;
-    return exifOrientation(std::as_bytes(std::span(data, size)));
+    if (png_get_eXIf_1(png, info, &size, &data) == 0) return {};
+    return readExif(std::as_bytes(std::span(data, size)));
   }
 
   Bytes rest_;
@@ -154,7 +156,9 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
     png_read_end(png, decoder.info);
   });
   // Metadata may also stand behind the pixels.
-  info.orientation = decoder.probe().orientation;
+  const ImageFileInfo whole = decoder.probe();
+  info.orientation = whole.orientation;
+  info.capture = whole.capture;
   return image;
 }
 

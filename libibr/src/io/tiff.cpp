@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "io/codec.h"
+#include "io/exif.h"
 
 namespace ibr::io {
 namespace {
@@ -80,7 +81,7 @@ class Decoder {
     const int orientation = field(TIFFTAG_ORIENTATION);
     return {int(std::min(width, std::uint32_t(most))), int(std::min(height, std::uint32_t(most))),
             field(TIFFTAG_SAMPLESPERPIXEL), field(TIFFTAG_BITSPERSAMPLE),
-            orientation >= 1 && orientation <= 8 ? orientation : 1};
+            orientation >= 1 && orientation <= 8 ? orientation : 1, readExif(stream_.file).capture};
   }
 
   int field(std::uint32_t tag) const {

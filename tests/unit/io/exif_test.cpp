@@ -1,15 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/exif.h"
 
+#include <cmath>
 #include <span>
 
+#include "io/image_file.h"
+#include "support/temporary_folder.h"
 #include "unusual_files.h"
 
 using namespace ibr;
 
 namespace {
+io::Exif exifOf(const test::Bytes& block) {
+  return io::readExif(std::as_bytes(std::span(block)));
+}
 int orientationOf(const test::Bytes& block) {
-  return io::exifOrientation(std::as_bytes(std::span(block)));
+  return exifOf(block).orientation;
+}
+
+// Of a camera's file; 0x9000 comes first, so that the directory is walked.
+test::Bytes cameraBlock(bool bigEndian) {
+  return test::exifBlock({{0x010f, 2, {}, "Maker "}, {0x0110, 2, {}, "M1"}, {0x0112, 3, {6}}},
+                         {{0x9000, 4, {1}},
+                          {0x829a, 5, {1, 250}},
+                          {0x829d, 5, {28, 10}},
+                          {0x8827, 3, {400}},
+                          {0x920a, 5, {50, 1}},
+                          {0xa405, 3, {75}},
+                          {0xa434, 2, {}, "50 mm\xe9\n"}},
+                         bigEndian);
 }
 }  // namespace
 
@@ -39,5 +58,79 @@ TEST_CASE("a damaged block is never read beyond its end") {
       const int orientation = orientationOf(damaged);
       CHECK((orientation >= 1 && orientation <= 8));
     }
+  }
+}
+
+TEST_CASE("how a photograph was exposed is found in both byte orders") {
+  for (const bool bigEndian : {false, true}) {
+    const io::Exif exif = exifOf(cameraBlock(bigEndian));
+    CHECK(exif.orientation == 6);
+    const CaptureFacts wanted{1.0 / 250, 2.8, 400, 50, 75, "Maker", "M1", "50 mm??"};
+    CHECK((exif.capture == wanted));
+    CHECK(relativeExposure(exif.capture).value() == Approx(400.0 / 250 / (2.8 * 2.8)));
+  }
+}
+
+TEST_CASE("a sensitivity that 16 bits cannot hold stands elsewhere") {
+  const auto isoOf = [](std::vector<test::ExifEntry> entries) {
+    return exifOf(test::exifBlock({}, entries, false)).capture.iso;
+  };
+  CHECK(isoOf({{0x8827, 3, {65535}}, {0x8832, 4, {102400}}}) == 102400);
+  CHECK(isoOf({{0x8827, 3, {65535}}, {0x8833, 4, {204800}}}) == 204800);
+  CHECK(isoOf({{0x8827, 3, {65535}}, {0x8832, 4, {0}}}) == 0);
+  CHECK(isoOf({{0x8827, 3, {65535}}}) == 0);
+  CHECK(isoOf({{0x8827, 3, {100}}, {0x8832, 4, {102400}}}) == 100);
+}
+
+TEST_CASE("what a camera wrote that cannot be is as if it were not there") {
+  const CaptureFacts facts =
+      exifOf(test::exifBlock({}, {{0x829a, 5, {1, 0}}, {0x829d, 5, {0, 1}}, {0x8827, 5, {100, 1}}, {0x920a, 3, {50}}},
+                             false))
+          .capture;
+  CHECK((facts == CaptureFacts{}));
+  CHECK(!relativeExposure(facts));
+  CHECK(!relativeExposure({.exposureTime = 0.01, .fNumber = 2.8}));
+  CHECK(!relativeExposure({.exposureTime = 0.01, .iso = 100}));
+}
+
+TEST_CASE("a damaged description of the exposure is never read beyond its end, and no number of it is absurd") {
+  for (const bool bigEndian : {false, true}) {
+    const test::Bytes whole = cameraBlock(bigEndian);
+    const auto sound = [](const CaptureFacts& facts) {
+      for (const double v : {facts.exposureTime, facts.fNumber, facts.iso, facts.focalLength, facts.focalLength35})
+        if (!(v >= 0) || !std::isfinite(v)) return false;
+      return true;
+    };
+    for (std::size_t size = 0; size < whole.size(); ++size)
+      CHECK(sound(exifOf(test::Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))).capture));
+    for (std::size_t at = 0; at < whole.size(); ++at)
+      for (const int value : {0, 255}) {
+        test::Bytes damaged = whole;
+        damaged[at] = std::uint8_t(value);
+        CHECK(sound(exifOf(damaged).capture));
+      }
+  }
+}
+
+TEST_CASE("JPEG, PNG and TIFF files tell how they were exposed") {
+  const test::TemporaryFolder folder;
+  const Image8 picture = test::noisyPicture(16, 8, 3);
+  test::writeBytes(folder / "a.jpg",
+                   test::withExifBlock(test::makeJpeg(picture, test::JpegKind::baseline), cameraBlock(true)));
+  const test::Bytes png = test::makePng(2, 1, 0, 8, {{10, 20}});  // grey
+  test::writeBytes(folder / "b.png", test::withPngExif(png, cameraBlock(false)));
+  test::writeBytes(folder / "c.tif", test::exifBlock({{0x100, 3, {16}},
+                                                      {0x101, 3, {8}},
+                                                      {0x102, 3, {8}},
+                                                      {0x106, 3, {1}},
+                                                      {0x110, 2, {}, "M1"},
+                                                      {0x111, 4, {8}},
+                                                      {0x115, 3, {1}},
+                                                      {0x117, 4, {128}}},
+                                                     {{0x8827, 3, {400}}}, false));
+  for (const char* name : {"a.jpg", "b.png", "c.tif"}) {
+    INFO(name);
+    CHECK(probeImage(folder / name).capture.iso == 400);
+    CHECK(probeImage(folder / name).capture.model == "M1");
   }
 }

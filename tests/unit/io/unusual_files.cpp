@@ -123,8 +123,51 @@ Bytes exifBlock(int orientation, bool bigEndian) {
           0,   0,   0,  0x12, 1, 3, 0, 1, 0, 0, 0,    value, 0, 0, 0, 0, 0, 0, 0};
 }
 
+Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry>& exif, bool bigEndian) {
+  Bytes out{std::uint8_t(bigEndian ? 'M' : 'I'), std::uint8_t(bigEndian ? 'M' : 'I')};
+  const auto putAt = [&](std::size_t at, std::uint32_t value, std::size_t size) {
+    if (out.size() < at + size) out.resize(at + size);
+    for (std::size_t i = 0; i < size; ++i)
+      out[at + (bigEndian ? size - 1 - i : i)] = std::uint8_t(value >> (8 * i) & 255);
+  };
+  const auto directory = [&](std::size_t at, std::vector<ExifEntry> entries) {
+    putAt(at, std::uint32_t(entries.size()), 2);
+    putAt(at + 2 + 12 * entries.size(), 0, 4);  // none after it
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      const ExifEntry& entry = entries[e];
+      const std::size_t here = at + 2 + 12 * e, size = entry.type == 2 ? 1 : entry.type == 3 ? 2 : 4;
+      std::vector<std::uint32_t> values = entry.values;
+      if (entry.type == 2) {
+        values.assign(entry.text.begin(), entry.text.end());
+        values.push_back(0);
+      }
+      putAt(here, std::uint32_t(entry.tag), 2);
+      putAt(here + 2, std::uint32_t(entry.type), 2);
+      putAt(here + 4, std::uint32_t(values.size() / (entry.type == 5 ? 2 : 1)), 4);
+      std::size_t data = here + 8;
+      if (size * values.size() > 4) {
+        data = out.size();
+        putAt(here + 8, std::uint32_t(data), 4);
+      }
+      for (std::size_t v = 0; v < values.size(); ++v) putAt(data + size * v, values[v], size);
+    }
+  };
+  putAt(2, 42, 2);
+  putAt(4, 8, 4);
+  std::vector<ExifEntry> entries = first;
+  entries.push_back({0x8769, 4, {0}});
+  directory(8, entries);
+  const std::size_t at = out.size();
+  putAt(8 + 2 + 12 * first.size() + 8, std::uint32_t(at), 4);
+  directory(at, exif);
+  return out;
+}
+
 Bytes withExif(const Bytes& jpeg, int orientation) {
-  const Bytes block = exifBlock(orientation, orientation % 2 == 0);
+  return withExifBlock(jpeg, exifBlock(orientation, orientation % 2 == 0));
+}
+
+Bytes withExifBlock(const Bytes& jpeg, const Bytes& block) {
   const std::size_t length = 2 + 6 + block.size();
   Bytes segment{0xff, 0xe1, std::uint8_t(length >> 8), std::uint8_t(length & 255), 'E', 'x', 'i', 'f', 0, 0};
   segment.insert(segment.end(), block.begin(), block.end());
@@ -146,20 +189,39 @@ Bytes withJpegSize(Bytes jpeg, int width, int height) {
   return {};
 }
 
-Bytes withPngSize(Bytes png, int width, int height) {
-  constexpr std::size_t kHeader = 12, kHeaderSize = 17;  // type and data of IHDR
-  const auto put = [&](std::size_t at, std::uint32_t value) {
-    for (std::size_t i = 0; i < 4; ++i) png[at + i] = std::uint8_t(value >> (24 - 8 * i) & 255);
-  };
-  put(16, std::uint32_t(width));
-  put(20, std::uint32_t(height));
+constexpr std::size_t kHeader = 12, kHeaderSize = 17;  // type and data of a PNG's IHDR
+
+void putBig(Bytes& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = std::uint8_t(value >> (24 - 8 * i) & 255);
+}
+
+// PNG 1.2 §15: of a chunk's type and data.
+std::uint32_t chunkCheck(std::span<const std::uint8_t> chunk) {
   std::uint32_t crc = 0xffffffffu;
-  for (const std::uint8_t byte : std::span(png).subspan(kHeader, kHeaderSize)) {
+  for (const std::uint8_t byte : chunk) {
     crc ^= byte;
     for (int bit = 0; bit < 8; ++bit) crc = crc & 1 ? crc >> 1 ^ 0xedb88320u : crc >> 1;
   }
-  put(kHeader + kHeaderSize, ~crc);
+  return ~crc;
+}
+
+Bytes withPngSize(Bytes png, int width, int height) {
+  putBig(png, 16, std::uint32_t(width));
+  putBig(png, 20, std::uint32_t(height));
+  putBig(png, kHeader + kHeaderSize, chunkCheck(std::span(png).subspan(kHeader, kHeaderSize)));
   return png;
+}
+
+Bytes withPngExif(const Bytes& png, const Bytes& block) {
+  Bytes chunk{0, 0, 0, 0, 'e', 'X', 'I', 'f'};
+  putBig(chunk, 0, std::uint32_t(block.size()));
+  chunk.insert(chunk.end(), block.begin(), block.end());
+  const std::uint32_t check = chunkCheck(std::span(chunk).subspan(4));
+  chunk.resize(chunk.size() + 4);
+  putBig(chunk, chunk.size() - 4, check);
+  Bytes out = png;
+  out.insert(out.begin() + kHeader + kHeaderSize + 4, chunk.begin(), chunk.end());
+  return out;
 }
 
 void writeBytes(const std::filesystem::path& path, const Bytes& bytes) {

@@ -29,10 +29,22 @@ Bytes makePng(int width, int height, int type, int bits, const std::vector<Bytes
 void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& image, int bits, int photometric,
               bool alpha, int orientation = 1);
 
-/// The same JPEG with an EXIF segment that holds `orientation`.
+/// The same JPEG with an EXIF segment that holds `orientation`, or this block.
 Bytes withExif(const Bytes& jpeg, int orientation);
+Bytes withExifBlock(const Bytes& jpeg, const Bytes& block);
+/// The same PNG with a chunk eXIf.
+Bytes withPngExif(const Bytes& png, const Bytes& block);
 /// The TIFF block of an EXIF segment.
 Bytes exifBlock(int orientation, bool bigEndian);
+
+/// An entry of an EXIF directory: a text, or whole numbers of `type` (3: short, 4: long, 5: rational, in pairs).
+struct ExifEntry {
+  int tag, type;
+  std::vector<std::uint32_t> values;
+  std::string text = {};
+};
+/// A TIFF block with these in its first directory and in the Exif IFD.
+Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry>& exif, bool bigEndian);
 
 /// The same file with another size in its header.
 Bytes withJpegSize(Bytes jpeg, int width, int height);
