@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "batch/colmap_views.h"
 #include "batch/command.h"
+#include "batch/synth_court.h"
 #include "batch/synth_grid.h"
 #include "batch/synth_moving.h"
 #include "image/ktx2.h"
@@ -30,12 +31,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-enum class Kind { planes, roomPano, roomMixed, grid, moving };
+enum class Kind { planes, roomPano, roomMixed, grid, moving, court };
 
 struct Options {
   Kind kind = Kind::planes;
   std::string output;
-  int members = 3, views = 8, side = 10, frames = 8;
+  int members = 3, views = 8, side = 10, frames = 8, photographs = 50;
   PictureSize size;
   TextureFormat texture = TextureFormat::rgba8;
 };
@@ -127,6 +128,8 @@ std::vector<View> truthViews(const Options& options, const std::vector<Camera>& 
 ExitCode synthesise(const Options& options, const Context& context) {
   if (options.kind == Kind::moving)
     return synthesiseMoving({options.output, options.frames, options.views, options.size}, context);
+  if (options.kind == Kind::court)
+    return synthesiseCourt({options.output, options.photographs, options.views, options.size}, context);
   const fs::path folder = options.output, truth = folder / "truth";
   const std::uint64_t seed = context.options().seed;
   const SyntheticOptions wanted = optionsOf(options, seed);
@@ -189,6 +192,7 @@ const Command kSynthCommand{
         "ibr synth room-pano -o room --size 2048x1024\n"
         "ibr synth grid -o grid --side 100 --size 512x512 --texture bc1\n"
         "ibr synth moving -o figure --frames 25\n"
+        "ibr synth court -o court --photographs 300 && ibr build court/images -o scene\n"
         "ibr eval room --truth room/truth -o compared",
     .details =
         "KIND: planes, a wall and two boards before it; room-pano, a room around panoramas; room-mixed, the same with "
@@ -196,7 +200,9 @@ const Command kSynthCommand{
         "walk.json between them. moving, a figure that bends and turns, photographed by eight cameras: for each frame "
         "a "
         "folder with mesh.ply (a little wrong) and mesh_exact.ply, images, masks, sparse and truth, as `ibr htm build` "
-        "takes them. SCENE/truth gets views with their pictures, as eval reads them: inside the cell, and "
+        "takes them. court, no scene, but photographs to build one from: a walk around a court, each photograph as "
+        "near to the next however many there are, and their COLMAP model with tracks. SCENE/truth gets views with "
+        "their pictures, as eval reads them: inside the cell, and "
         "every third "
         "one a little outside. The same seed makes the same scene.",
     .afterInterrupt = "Some files may be there already; run the same command again.",
@@ -207,7 +213,8 @@ const Command kSynthCommand{
                        {"room-pano", Kind::roomPano},
                        {"room-mixed", Kind::roomMixed},
                        {"grid", Kind::grid},
-                       {"moving", Kind::moving}},
+                       {"moving", Kind::moving},
+                       {"court", Kind::court}},
                       "What to generate")
           ->required();
       app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
@@ -216,6 +223,7 @@ const Command kSynthCommand{
       addInt(app, "--members", options->members, 2, 4, "Photographs, all of one cell");
       addInt(app, "--views", options->views, 0, 10000, "Views of the truth");
       addInt(app, "--frames", options->frames, 1, 10000, "moving: frames of one period");
+      addInt(app, "--photographs", options->photographs, 2, 10000, "court: photographs along the walk");
       addInt(app, "--side", options->side, 2, 1000, "grid: photographs along each side");
       declareTextureFormat(app, options->texture);
       addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512, moving 512x512]");

@@ -154,3 +154,28 @@ TEST_CASE("synth moving writes frames as ibr htm build takes them") {
   CHECK(files.at("frame0000/images/cam02.png") != files.at("frame0001/images/cam02.png"));
   CHECK(files.at("frame0000/sparse/images.txt") == files.at("frame0001/sparse/images.txt"));
 }
+
+TEST_CASE("synth court writes photographs that build makes a scene from") {
+  const test::TemporaryFolder folder;
+  const std::string court = folder / "court";
+  const auto made = runProgram({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120",
+                                "--json", "-"});
+  INFO(made.err);
+  REQUIRE(made.code == 0);
+  const auto report = nlohmann::json::parse(made.out);
+  CHECK(report.at("photographs") == 6);
+  CHECK(report.at("tracks") > 100);
+  CHECK(readImage(folder / "court/truth/images/truth00.png").width == 160);
+  const auto built = runProgram(
+      {"build", court + "/images", "-o", folder / "scene", "--tracks", "model", "--no-backdrops", "-q", "--json", "-"});
+  INFO(built.err);
+  REQUIRE(built.code == 0);
+  const auto scene = nlohmann::json::parse(built.out);
+  CHECK(scene.at("dropped").empty());
+  CHECK(scene.at("cells").size() >= 1);
+  const auto before = contentsBelow(court);
+  REQUIRE(runProgram({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "-q",
+                      "--threads", "1"})
+              .code == 0);
+  CHECK((contentsBelow(court) == before));
+}

@@ -197,6 +197,11 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
 
 }  // namespace
 
+std::optional<double> distanceAlong(const SyntheticScene& scene, glm::dvec3 from, glm::dvec3 direction) {
+  const auto hit = firstHit(scene.planes, from, direction);
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
+
 glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at) {
   return WaveTexture(plane).colour(at);
 }

@@ -58,6 +58,9 @@ Image8 renderTruth(const SyntheticScene& scene, const Camera& camera, int sample
 /// world units; infinity where there is no plane or the scene is at infinity.
 ImageF renderDepth(const SyntheticScene& scene, const Camera& camera);
 
+/// How far along `direction`, in its lengths, the first plane is that a ray meets; nullopt where there is none.
+std::optional<double> distanceAlong(const SyntheticScene& scene, glm::dvec3 from, glm::dvec3 direction);
+
 /// RGB in [10, 245] of the texture at (along u, along v) from the rectangle's centre, world units.
 glm::dvec3 textureColour(const TexturedPlane& plane, glm::dvec2 at);
 

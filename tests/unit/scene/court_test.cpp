@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/court.h"
+
+#include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
+
+#include "ibr/error.h"
+
+using namespace ibr;
+
+TEST_CASE("a court's photographs show all that is there, however little of it is looked at for each") {
+  const Court court = makeCourt(30, 48, 36, 1);
+  SyntheticScene all;
+  all.planes = court.planes;
+  for (const std::size_t i : {0u, 7u, 29u})
+    CHECK((photograph(court, court.cameras[i], 1) == renderTruth(all, court.cameras[i], 1)));
+  const Camera between = cameraInCourt(court, 0.99);
+  CHECK((photograph(court, between, 1) == renderTruth(all, between, 1)));
+}
+
+TEST_CASE("neighbours in a court are as far apart however many there are") {
+  for (const int count : {24, 200}) {
+    const Court court = makeCourt(count, 48, 36, 1);
+    REQUIRE(court.cameras.size() == std::size_t(count));
+    for (std::size_t i = 0; i < court.cameras.size(); ++i) {
+      const Camera &camera = court.cameras[i], &next = court.cameras[(i + 2) % court.cameras.size()];  // of its row
+      CHECK(glm::distance(camera.pose.position, next.pose.position) < 1.7);  // in a corner the back row swings out
+      CHECK(glm::dot(viewAxis(camera.pose), viewAxis(next.pose)) > (count == 200 ? 0.94 : -0.1));
+    }
+  }
+}
+
+TEST_CASE("tracks of a court are where cameras see them, and nothing stands before them") {
+  const Court court = makeCourt(24, 80, 60, 3);
+  SyntheticScene all;
+  all.planes = court.planes;
+  const auto tracks = tracksOf(court, 3);
+  std::vector<int> seen(court.cameras.size());
+  for (const CourtTrack& track : tracks) {
+    REQUIRE(track.seen.size() >= 2);
+    for (const auto& [i, pixel] : track.seen) {
+      ++seen[i];
+      const Camera& camera = court.cameras[i];
+      const glm::dvec3 to = track.position - camera.pose.position;
+      const auto at = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * to);
+      REQUIRE(at);
+      REQUIRE(glm::distance(*at, pixel) < 1e-9);
+      REQUIRE((pixel.x > 0 && pixel.y > 0 && pixel.x < 80 && pixel.y < 60));
+      REQUIRE(distanceAlong(all, camera.pose.position, to).value() == Approx(1));
+    }
+  }
+  for (const int count : seen) CHECK(count > 100);
+}
+
+TEST_CASE("a seed makes a court, another one another") {
+  const auto picture = [](std::uint64_t seed) {
+    const Court court = makeCourt(10, 32, 24, seed);
+    return photograph(court, court.cameras[3], 1);
+  };
+  CHECK((picture(1) == picture(1)));
+  CHECK((picture(1) != picture(2)));
+  CHECK_THROWS_AS(makeCourt(1, 32, 24, 1), Error);
+}
