@@ -17,6 +17,10 @@ using Bytes = std::span<const std::byte>;
 /// What every decoder does between header and pixels: throws Error{invalidInput} where a size is over the limits.
 void checkSize(const ImageFileInfo& info, const ReadLimits& limits, const std::string& name);
 
+/// Behind a sentence that refuses inks: how much light they leave, no two printers agree on.
+inline constexpr const char* kCmykAdvice =
+    ": it is a CMYK picture, made for print. Save it as RGB with the program that made it";
+
 ImageFileInfo probeJpeg(Bytes file, const std::string& name);
 ImageFileInfo probePng(Bytes file, const std::string& name);
 ImageFileInfo probeTiff(Bytes file, const std::string& name);

@@ -116,6 +116,8 @@ Exif readExif(std::span<const std::byte> tiff) {
   capture.focalLength = exif.ratio(0x920a);
   capture.focalLength35 = exif.whole(0xa405).value_or(0);
   capture.lens = exif.text(0xa434);
+  if (const auto interoperability = exif.whole(0xa005))
+    result.adobeRgb = Directory(fields, *interoperability).text(1) == "R03";
   return result;
 }
 

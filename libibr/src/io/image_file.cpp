@@ -6,6 +6,7 @@
 #include <cctype>
 #include <fstream>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "base/check.h"
@@ -31,7 +32,7 @@ struct Format {
   Image8 (*read)(Bytes, const std::string&, const ReadLimits&, ImageFileInfo&);
 };
 
-constexpr std::size_t kMagicBytes = 8;
+constexpr std::size_t kMagicBytes = 16;
 
 // By content: names lie.
 std::optional<Format> formatThatBegins(Bytes file) {
@@ -47,8 +48,35 @@ std::optional<Format> formatThatBegins(Bytes file) {
   return std::nullopt;
 }
 
+// By what files of other kinds begin with: the kind's name, or "".
+const char* foreignFormat(Bytes file) {
+  const std::string_view begin(reinterpret_cast<const char*>(file.data()), std::min<std::size_t>(file.size(), 16));
+  const auto at = [&](std::size_t offset, std::string_view magic) {
+    return begin.size() >= offset + magic.size() && begin.substr(offset, magic.size()) == magic;
+  };
+  using namespace std::string_view_literals;
+  if (at(4, "ftypavif") || at(4, "ftypavis")) return "AVIF";
+  if (at(4, "ftyphei") || at(4, "ftyphev") || at(4, "ftypmif1") || at(4, "ftypmsf1")) return "HEIC";
+  if (at(4, "ftypcrx ")) return "CR3 raw";
+  if (at(4, "ftyp")) return "video";
+  if (at(0, "RIFF") && at(8, "WEBP")) return "WebP";
+  if (at(0, "GIF8")) return "GIF";
+  if (at(0, "BM")) return "BMP";
+  if (at(0, "8BPS")) return "PSD";
+  if (at(0, "FUJIFILM")) return "RAF raw";
+  if (at(0, "IIU\0"sv)) return "RW2 raw";
+  if (at(0, "IIRO") || at(0, "IIRS")) return "ORF raw";
+  if (at(0, "\xff\x0a"sv) || at(0, "\0\0\0\x0cJXL "sv)) return "JPEG XL";
+  if (at(0, "\0\0\0\x0cjP  "sv)) return "JPEG 2000";
+  return "";
+}
+
 Format formatOf(Bytes file, const std::string& name) {
   const auto format = formatThatBegins(file);
+  check(!file.empty(), ErrorCode::invalidInput, "{}: is empty", name);
+  const char* const foreign = foreignFormat(file);
+  check(format.has_value() || !*foreign, ErrorCode::unsupported, "{}: is a {} file, which is not read; convert it to JPEG",
+        name, foreign);
   check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
   return *format;
 }
@@ -142,6 +170,10 @@ std::vector<ImageText> readImageTexts(const fs::path& path) {
   const std::string name = path.string();
   const auto file = readFile(path);
   return io::formatOf(file, name).read == io::readPng ? io::pngTexts(file, name) : std::vector<ImageText>();
+}
+
+std::string foreignImageFormat(const fs::path& path) {
+  return io::foreignFormat(readFileStart(path, io::kMagicBytes));
 }
 
 bool isImageFile(const fs::path& path) noexcept {

@@ -30,8 +30,9 @@ struct ReadLimits {
 /// Reads the header only.
 ImageFileInfo probeImage(const std::filesystem::path& path);
 
-/// Reads as 8-bit RGB (grey and palette expanded, alpha dropped, 16 bits rounded to 8; CMYK is unsupported). The EXIF
-/// orientation is applied only where asked: a pose estimator may or may not have applied it.
+/// Reads as 8-bit sRGB: grey and palette expanded, alpha dropped, 16 bits rounded to 8; what an ICC profile, or the word
+/// "R03" in EXIF, says to be of another colour space is converted; CMYK is unsupported. The EXIF orientation is applied
+/// only where asked: a pose estimator may or may not have applied it.
 Image8 readImage(const std::filesystem::path& path, bool applyOrientation = false, const ReadLimits& limits = {});
 
 /// Reads a PNG with one channel of 16 bits, values as stored.
@@ -55,6 +56,10 @@ void writeImage(const std::filesystem::path& path, const Image8& image, const st
 /// Texts that stand before a PNG's pixels, in their order and as UTF-8 (tEXt, zTXt, iTXt); those whose checksum is
 /// wrong are left out. Of another format: none.
 std::vector<ImageText> readImageTexts(const std::filesystem::path& path);
+
+/// What a file is that begins as pictures do that are not read here, for people: "HEIC"; "" for all others. Throws
+/// Error{io}.
+std::string foreignImageFormat(const std::filesystem::path& path);
 
 /// Whether a file begins as a JPEG, PNG or TIFF file does; false where it cannot be read. Never throws.
 bool isImageFile(const std::filesystem::path& path) noexcept;

@@ -15,6 +15,7 @@
 
 #include "base/check.h"
 #include "io/codec.h"
+#include "io/colour.h"
 #include "io/exif.h"
 
 namespace ibr::io {
@@ -105,6 +106,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
       jpeg_create_decompress(&state);
       jpeg_mem_src(&state, reinterpret_cast<const unsigned char*>(file.data()), file.size());
       jpeg_save_markers(&state, JPEG_APP0 + 1, 0xffff);
+      jpeg_save_markers(&state, JPEG_APP0 + 2, 0xffff);
       jpeg_read_header(&state, TRUE);
     });
     progress_.progress_monitor = countScans;
@@ -117,7 +119,18 @@ class Decoder : public Codec<jpeg_decompress_struct> {
             exif.orientation,       exif.capture};
   }
 
- private:
+  /// Before the pixels are decoded: the markers are gone afterwards.
+  std::vector<std::byte> colourProfile() {
+    JOCTET* data = nullptr;
+    unsigned int size = 0;
+    guarded([&] { jpeg_read_icc_profile(&state, &data, &size); });
+    if (!data) return {};
+    const auto bytes = std::as_bytes(std::span(data, size));
+    std::vector<std::byte> profile(bytes.begin(), bytes.end());
+    std::free(data);
+    return profile;
+  }
+
   Exif exif() const {
     constexpr char kExif[6] = {'E', 'x', 'i', 'f', 0, 0};
     for (auto marker = state.marker_list; marker; marker = marker->next)
@@ -126,6 +139,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
     return {};
   }
 
+ private:
   jpeg_progress_mgr progress_{};
 };
 
@@ -142,13 +156,16 @@ Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, I
   checkSize(info, limits, name);
   const auto space = state.jpeg_color_space;
   check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
-        "{}: {} colour components that are not grey or RGB (CMYK pictures are not read)", name, info.channels);
+        "{}: {} components, of colours that are neither grey nor RGB{}", name, info.channels,
+        space == JCS_CMYK || space == JCS_YCCK ? kCmykAdvice : "");
   // Huffman coding spends at least one bit on each block of the first component: a small file cannot hold a large
   // picture.
   const auto blocks = std::uint64_t(info.width / 8) * std::uint64_t(info.height / 8);
   check(state.arith_code || blocks / 8 <= file.size(), ErrorCode::invalidInput, "{}: {} bytes cannot hold {}×{} pixels",
         name, file.size(), info.width, info.height);
 
+  const std::vector<std::byte> profile = decoder.colourProfile();
+  const bool adobeRgb = decoder.exif().adobeRgb;
   Image8 image(info.width, info.height, 3);
   decoder.guarded([&] {
     state.out_color_space = JCS_RGB;
@@ -160,6 +177,10 @@ Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, I
     }
     jpeg_finish_decompress(&state);
   });
+  if (!profile.empty())
+    toSrgb(image, profile);
+  else if (adobeRgb)
+    adobeRgbToSrgb(image);
   return image;
 }
 

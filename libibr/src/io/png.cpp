@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "io/codec.h"
+#include "io/colour.h"
 #include "io/exif.h"
 
 namespace ibr::io {
@@ -87,6 +88,15 @@ class Decoder : public Codec {
             exif.capture};
   }
 
+  Bytes colourProfile() {
+    png_charp profileName = nullptr;
+    png_bytep data = nullptr;
+    png_uint_32 size = 0;
+    int method = 0;
+    if (png_get_iCCP(png, info, &profileName, &method, &data, &size) == 0) return {};
+    return std::as_bytes(std::span(data, size));
+  }
+
  private:
   static void take(png_structp png, png_bytep out, std::size_t size) {
     auto& rest = *static_cast<Bytes*>(png_get_io_ptr(png));
@@ -159,6 +169,7 @@ Image8 readPng(Bytes file, const std::string& name, const ReadLimits& limits, Im
   const ImageFileInfo whole = decoder.probe();
   info.orientation = whole.orientation;
   info.capture = whole.capture;
+  if (const auto profile = decoder.colourProfile(); !profile.empty()) toSrgb(image, profile);
   return image;
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "io/codec.h"
+#include "io/colour.h"
 #include "io/exif.h"
 
 namespace ibr::io {
@@ -44,6 +45,15 @@ int close(thandle_t) {
 toff_t size(thandle_t handle) {
   return static_cast<Stream*>(handle)->file.size();
 }
+// The file as it lies in memory. libtiff 4.5 does not read tiles in another way.
+int map(thandle_t handle, void** begin, toff_t* length) {
+  const Bytes file = static_cast<Stream*>(handle)->file;
+  *begin = const_cast<std::byte*>(file.data());  // of a file that is read nothing is written there
+  *length = file.size();
+  return 1;
+}
+void unmap(thandle_t, void*, toff_t) {}
+
 int remember(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   auto& stream = *static_cast<Stream*>(user);
   if (!*stream.text) std::vsnprintf(stream.text, sizeof stream.text, format, arguments);
@@ -61,7 +71,7 @@ class Decoder {
     check(options, ErrorCode::outOfMemory, "{}: no memory for libtiff", name);
     TIFFOpenOptionsSetErrorHandlerExtR(options, remember, &stream_);
     TIFFOpenOptionsSetWarningHandlerExtR(options, ignore, nullptr);
-    tiff = TIFFClientOpenExt(name.c_str(), "rm", &stream_, take, refuse, seek, close, size, nullptr, nullptr, options);
+    tiff = TIFFClientOpenExt(name.c_str(), "r", &stream_, take, refuse, seek, close, size, map, unmap, options);
     TIFFOpenOptionsFree(options);
     if (!tiff) give(ErrorCode::invalidInput);
   }
@@ -90,6 +100,13 @@ class Decoder {
     return value;
   }
 
+  Bytes colourProfile() const {
+    std::uint32_t count = 0;
+    void* data = nullptr;
+    if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &count, &data) != 1) return {};
+    return {static_cast<const std::byte*>(data), count};
+  }
+
   TIFF* tiff = nullptr;
 
  private:
@@ -97,24 +114,34 @@ class Decoder {
   Stream stream_;
 };
 
-}  // namespace
-
-ImageFileInfo probeTiff(Bytes file, const std::string& name) {
-  return Decoder(file, name).info();
+// Of grey with 16 bits libtiff's interface keeps the upper 8, of colours it rounds.
+bool roundsItself(const Decoder& decoder, const ImageFileInfo& info) {
+  const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
+  return info.channels == 1 && info.bitsPerChannel == 16 && !TIFFIsTiled(decoder.tiff) &&
+         (photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE);
 }
 
-Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
-  Decoder decoder(file, name);
-  info = decoder.info();
-  checkSize(info, limits, name);
-  check(decoder.field(TIFFTAG_PHOTOMETRIC) != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported,
-        "{}: CMYK pictures are not read", name);
+Image8 readGrey16(const Decoder& decoder, const ImageFileInfo& info) {
+  const bool inverted = decoder.field(TIFFTAG_PHOTOMETRIC) == PHOTOMETRIC_MINISWHITE;
+  Image8 image(info.width, info.height, 3);
+  std::vector<std::uint16_t> row(std::size_t(TIFFScanlineSize(decoder.tiff)) / 2);
+  for (int y = 0; y < info.height; ++y) {
+    if (TIFFReadScanline(decoder.tiff, row.data(), std::uint32_t(y), 0) != 1) decoder.give(ErrorCode::invalidInput);
+    for (int x = 0; x < info.width; ++x) {
+      const unsigned rounded = (row[std::size_t(x)] * 255u + 32767u) / 65535u;
+      std::ranges::fill(image.pixel(x, y), std::uint8_t(inverted ? 255u - rounded : rounded));
+    }
+  }
+  return image;
+}
 
+// What libtiff's interface makes of it, as stored.
+Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std::string& name) {
   TIFFRGBAImage reader;
   char text[1024] = {};
   constexpr int kStopOnError = 1;
   if (!TIFFRGBAImageOK(decoder.tiff, text) || !TIFFRGBAImageBegin(&reader, decoder.tiff, kStopOnError, text))
-    fail(ErrorCode::unsupported, "{}: {}", name, text);
+    fail(ErrorCode::unsupported, "{}: {}. Save it as RGB of 8 or 16 bits", name, text);
   reader.req_orientation = reader.orientation;  // as stored
   const auto pixels = std::size_t(info.width) * std::size_t(info.height);
   const auto raster = std::make_unique_for_overwrite<std::uint32_t[]>(pixels);
@@ -126,11 +153,38 @@ Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, I
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint32_t pixel = raster[i];
     // libtiff multiplies colours by their alpha; only where that changed nothing are they the file's.
-    check(TIFFGetA(pixel) == 255, ErrorCode::unsupported, "{}: has transparent pixels", name);
+    check(TIFFGetA(pixel) == 255, ErrorCode::unsupported, "{}: has transparent pixels; save it without alpha",
+          name);
     image.values[3 * i] = std::uint8_t(TIFFGetR(pixel));
     image.values[3 * i + 1] = std::uint8_t(TIFFGetG(pixel));
     image.values[3 * i + 2] = std::uint8_t(TIFFGetB(pixel));
   }
+  return image;
+}
+
+}  // namespace
+
+ImageFileInfo probeTiff(Bytes file, const std::string& name) {
+  return Decoder(file, name).info();
+}
+
+Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
+  Decoder decoder(file, name);
+  info = decoder.info();
+  checkSize(info, limits, name);
+  const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
+  check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels, kCmykAdvice);
+  // Raw files of cameras begin with a small picture to look at.
+  std::uint32_t subfile = 0;
+  TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);
+  check(!(subfile & FILETYPE_REDUCEDIMAGE) && photometric != PHOTOMETRIC_CFA, ErrorCode::unsupported,
+        "{}: begins with a preview or holds what a sensor measured, as raw files do: develop it first", name);
+
+  Image8 image = roundsItself(decoder, info) ? readGrey16(decoder, info) : readColours(decoder, info, name);
+  if (const auto profile = decoder.colourProfile(); !profile.empty())
+    toSrgb(image, profile);
+  else if (readExif(file).adobeRgb)
+    adobeRgbToSrgb(image);
   return image;
 }
 

@@ -3,6 +3,9 @@
 #include <png.h>
 #include <tiffio.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "io/image_file.h"
 #include "support/temporary_folder.h"
 #include "unusual_files.h"
@@ -56,7 +59,7 @@ TEST_CASE("an interlaced PNG is the same picture") {
   CHECK(readImage(folder / "a.png") == image);
 }
 
-TEST_CASE("baseline, progressive and grey JPEG are near the picture that was written") {
+TEST_CASE("baseline, progressive, arithmetic, RGB and grey JPEG are near the picture that was written") {
   test::TemporaryFolder folder;
   Image8 smooth(40, 24, 3);
   for (int y = 0; y < 24; ++y)
@@ -65,7 +68,8 @@ TEST_CASE("baseline, progressive and grey JPEG are near the picture that was wri
       smooth.pixel(x, y)[1] = std::uint8_t(10 * y);
       smooth.pixel(x, y)[2] = 40;
     }
-  for (const auto kind : {test::JpegKind::baseline, test::JpegKind::progressive}) {
+  for (const auto kind :
+       {test::JpegKind::baseline, test::JpegKind::progressive, test::JpegKind::arithmetic, test::JpegKind::rgb}) {
     test::writeBytes(folder / "a.jpg", test::makeJpeg(smooth, kind));
     const Image8 image = readImage(folder / "a.jpg");
     REQUIRE((image.width == 40 && image.height == 24 && image.channels == 3));
@@ -78,14 +82,98 @@ TEST_CASE("baseline, progressive and grey JPEG are near the picture that was wri
   CHECK(readImage(folder / "grey.jpg") == Image8(16, 8, 3, 77));
 }
 
-TEST_CASE("CMYK is refused by name, not shown in wrong colours") {
+TEST_CASE("CMYK is refused with what to do, not shown in wrong colours") {
   test::TemporaryFolder folder;
-  test::writeBytes(folder / "a.jpg", test::makeJpeg(test::noisyPicture(16, 16, 4), test::JpegKind::cmyk));
-  const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });
-  CHECK(error.code() == ErrorCode::unsupported);
-  CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains("CMYK"));
+  for (const auto kind : {test::JpegKind::cmyk, test::JpegKind::ycck}) {
+    test::writeBytes(folder / "a.jpg", test::makeJpeg(test::noisyPicture(16, 16, 4), kind));
+    CHECK(probeImage(folder / "a.jpg").channels == 4);
+    const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });
+    CHECK(error.code() == ErrorCode::unsupported);
+    CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains("CMYK") && Catch::Contains("as RGB"));
+  }
   test::makeTiff(folder / "a.tif", Image<std::uint16_t>(4, 4, 4, 9), 8, PHOTOMETRIC_SEPARATED, false);
-  CHECK(test::errorOf([&] { readImage(folder / "a.tif"); }).code() == ErrorCode::unsupported);
+  const Error error = test::errorOf([&] { readImage(folder / "a.tif"); });
+  CHECK(error.code() == ErrorCode::unsupported);
+  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("CMYK") && Catch::Contains("as RGB"));
+}
+
+TEST_CASE("16-bit PNG of grey with alpha is rounded grey") {
+  test::TemporaryFolder folder;
+  const test::Bytes row{0x00, 0x81, 0x12, 0x34, 0xff, 0x7e, 0, 0};
+  test::writeBytes(folder / "a.png", test::makePng(2, 1, PNG_COLOR_TYPE_GRAY_ALPHA, 16, {row}));
+  CHECK(readImage(folder / "a.png").values == std::vector<std::uint8_t>{1, 1, 1, 0xfe, 0xfe, 0xfe});
+}
+
+TEST_CASE("TIFF in strips, tiles, planes, both byte orders and with wide offsets is the same picture") {
+  test::TemporaryFolder folder;
+  const Image8 small = test::noisyPicture(21, 18, 3);
+  for (const int bits : {8, 16}) {
+    Image<std::uint16_t> picture(small.width, small.height, 3);
+    for (std::size_t i = 0; i < small.values.size(); ++i)
+      picture.values[i] = std::uint16_t(bits == 8 ? small.values[i] : 257 * small.values[i] + int(i % 256) - 128);
+    for (const char* mode : {"w", "wb", "w8", "wb8"})
+      for (const bool planar : {false, true})
+        for (const int tile : {0, 16}) {
+          INFO(bits << " bits, " << mode << ", planar " << planar << ", tiles of " << tile);
+          test::makeTiff(folder / "a.tif", picture, bits, PHOTOMETRIC_RGB, false, 1, {mode, planar, tile});
+          CHECK(probeImage(folder / "a.tif").bitsPerChannel == bits);
+          CHECK((readImage(folder / "a.tif") == small));
+        }
+  }
+}
+
+TEST_CASE("16-bit grey TIFF is rounded, also where white is 0") {
+  test::TemporaryFolder folder;
+  Image<std::uint16_t> grey(3, 2, 1);
+  grey.values = {0, 0x007f, 0x0081, 0x1280, 0xff7e, 0xffff};
+  const std::vector<int> right{0, 0, 1, 0x12, 0xfe, 0xff};
+  for (const char* mode : {"w", "wb"})
+    for (const bool inverted : {false, true}) {
+      test::makeTiff(folder / "a.tif", grey, 16, inverted ? PHOTOMETRIC_MINISWHITE : PHOTOMETRIC_MINISBLACK, false, 1,
+                     {mode});
+      const Image8 image = readImage(folder / "a.tif");
+      for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          CHECK(int(image.values[3 * i + c]) == (inverted ? 255 - right[i] : right[i]));
+    }
+}
+
+TEST_CASE("TIFF that holds no photograph to be shown is refused with what to do") {
+  test::TemporaryFolder folder;
+  const Image<std::uint16_t> rgb(4, 4, 3, 9);
+  test::makeTiff(folder / "a.tif", rgb, 8, PHOTOMETRIC_RGB, false, 1, {.preview = true});
+  Error error = test::errorOf([&] { readImage(folder / "a.tif"); });
+  CHECK(error.code() == ErrorCode::unsupported);
+  CHECK_THAT(error.what(), Catch::Contains("a.tif") && Catch::Contains("raw files") && Catch::Contains("develop"));
+  test::makeTiff(folder / "b.tif", Image<std::uint16_t>(4, 4, 2, 9), 16, PHOTOMETRIC_RGB, false);
+  error = test::errorOf([&] { readImage(folder / "b.tif"); });
+  CHECK(error.code() == ErrorCode::unsupported);
+  CHECK_THAT(error.what(), Catch::Contains("b.tif") && Catch::Contains("8 or 16 bits"));
+}
+
+TEST_CASE("files of other kinds are named by their content, whatever their extension") {
+  test::TemporaryFolder folder;
+  using namespace std::string_literals;
+  const std::pair<const char*, std::string> kinds[] = {
+      {"HEIC", "\0\0\0\x18""ftypheic\0\0\0\0"s}, {"HEIC", "\0\0\0\x18""ftypmif1\0\0\0\0"s},
+      {"AVIF", "\0\0\0\x18""ftypavif\0\0\0\0"s}, {"WebP", "RIFF\x10\0\0\0WEBPVP8 "s},
+      {"GIF", "GIF89a"s}, {"JPEG XL", "\xff\x0a\0"s}, {"video", "\0\0\0\x18""ftypqt  \0\0\0\0"s},
+      {"CR3 raw", "\0\0\0\x18""ftypcrx \0\0\0\0"s}};
+  for (const auto& [kind, begin] : kinds) {
+    test::writeBytes(folder / "a.jpg", test::Bytes(begin.begin(), begin.end()));
+    CHECK(foreignImageFormat(folder / "a.jpg") == kind);
+    CHECK(!isImageFile(folder / "a.jpg"));
+    for (const auto& read : {std::function([&] { readImage(folder / "a.jpg"); }),
+                             std::function([&] { probeImage(folder / "a.jpg"); })}) {
+      const Error error = test::errorOf(read);
+      CHECK(error.code() == ErrorCode::unsupported);
+      CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains(kind) && Catch::Contains("convert"));
+    }
+  }
+  writeImage(folder / "b.png", Image8(2, 2, 3, 9));
+  CHECK(foreignImageFormat(folder / "b.png").empty());
+  test::writeBytes(folder / "empty.jpg", {});
+  CHECK_THAT(test::errorOf([&] { readImage(folder / "empty.jpg"); }).what(), Catch::Contains("is empty"));
 }
 
 TEST_CASE("TIFF of 8 and 16 bits, grey, RGB and opaque RGBA") {
@@ -140,9 +228,34 @@ TEST_CASE("the eight EXIF orientations turn the stored picture upright, and only
     CHECK(std::abs(upright.pixel(4, 12)[0] - bl) <= 2);
     CHECK(std::abs(upright.pixel(28, 12)[0] - br) <= 2);
   }
-  Image<std::uint16_t> pair(2, 1, 1);
-  pair.values = {5, 9};
-  test::makeTiff(folder / "a.tif", pair, 8, PHOTOMETRIC_MINISBLACK, false, 3);
-  CHECK(readImage(folder / "a.tif").values[0] == 5);
-  CHECK(readImage(folder / "a.tif", true).values[0] == 9);
+}
+
+TEST_CASE("the orientations of PNG and TIFF are those of JPEG") {
+  test::TemporaryFolder folder;
+  const Image8 stored = test::noisyPicture(8, 16, 3);
+  std::vector<test::Bytes> rows;
+  Image<std::uint16_t> wide(8, 16, 3);
+  std::ranges::copy(stored.values, wide.values.begin());
+  for (int y = 0; y < 16; ++y) rows.emplace_back(stored.values.begin() + y * 24, stored.values.begin() + (y + 1) * 24);
+  const test::Bytes png = test::makePng(8, 16, PNG_COLOR_TYPE_RGB, 8, rows);
+  // Where the first pixel of the upright picture, and the one right of it, are in the stored one.
+  const int first[9][4] = {{},           {0, 0, 1, 0},   {7, 0, 6, 0},   {7, 15, 6, 15}, {0, 15, 1, 15},
+                           {0, 0, 0, 1}, {0, 15, 0, 14}, {7, 15, 7, 14}, {7, 0, 7, 1}};
+  for (int orientation = 1; orientation <= 8; ++orientation) {
+    INFO("orientation " << orientation);
+    test::writeBytes(folder / "a.png", test::withPngExif(png, test::exifBlock(orientation, orientation % 2 == 0)));
+    test::makeTiff(folder / "a.tif", wide, 8, PHOTOMETRIC_RGB, false, orientation);
+    for (const char* name : {"a.png", "a.tif"}) {
+      INFO(name);
+      CHECK(probeImage(folder / name).orientation == orientation);
+      CHECK((readImage(folder / name) == stored));
+      const Image8 upright = readImage(folder / name, true);
+      REQUIRE(upright.width == (orientation < 5 ? 8 : 16));
+      const auto& [x0, y0, x1, y1] = first[orientation];
+      for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(upright.pixel(0, 0)[c] == stored.pixel(x0, y0)[c]);
+        CHECK(upright.pixel(1, 0)[c] == stored.pixel(x1, y1)[c]);
+      }
+    }
+  }
 }

@@ -6,8 +6,12 @@
 #include <jpeglib.h>
 #include <png.h>
 #include <tiffio.h>
+#include <zlib.h>
 // clang-format on
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -37,8 +41,11 @@ Bytes makeJpeg(const Image8& image, JpegKind kind) {
   state.image_width = JDIMENSION(image.width);
   state.image_height = JDIMENSION(image.height);
   state.input_components = image.channels;
-  state.in_color_space = kind == JpegKind::cmyk ? JCS_CMYK : image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+  state.in_color_space = image.channels == 4 ? JCS_CMYK : image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&state);
+  if (kind == JpegKind::rgb) jpeg_set_colorspace(&state, JCS_RGB);
+  if (kind == JpegKind::ycck) jpeg_set_colorspace(&state, JCS_YCCK);
+  state.arith_code = kind == JpegKind::arithmetic;
   jpeg_set_quality(&state, 95, TRUE);
   if (kind == JpegKind::progressive) jpeg_simple_progression(&state);
   std::vector<jpeg_scan_info> scans;
@@ -88,27 +95,55 @@ Bytes makePng(int width, int height, int type, int bits, const std::vector<Bytes
 }
 
 void makeTiff(const std::filesystem::path& path, const Image<std::uint16_t>& image, int bits, int photometric,
-              bool alpha, int orientation) {
-  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+              bool alpha, int orientation, const TiffLayout& layout) {
+  TIFF* tiff = TIFFOpen(path.c_str(), layout.mode);
   REQUIRE(tiff);
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, image.width);
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, image.height);
   TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, image.channels);
   TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
   TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, photometric);
-  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, layout.planar ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_ORIENTATION, orientation);
-  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, image.height);
+  if (layout.preview) TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
+  if (!layout.profile.empty())
+    TIFFSetField(tiff, TIFFTAG_ICCPROFILE, std::uint32_t(layout.profile.size()), layout.profile.data());
   const std::uint16_t kind = EXTRASAMPLE_UNASSALPHA;
   if (alpha) TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
-  for (int y = 0; y < image.height; ++y) {
-    Bytes row;
-    for (int x = 0; x < image.width; ++x)
-      for (const std::uint16_t value : image.pixel(x, y)) {
-        row.push_back(std::uint8_t(value & 255));
-        if (bits == 16) row.push_back(std::uint8_t(value >> 8));
+  // Of `channel`, or of all; in this machine's order, which libtiff turns where the file's is another.
+  const auto put = [&](Bytes& bytes, int x, int y, int channel) {
+    for (int c = 0; c < image.channels; ++c) {
+      if (channel >= 0 && c != channel) continue;
+      const bool inside = x < image.width && y < image.height;
+      const std::uint16_t value = inside ? image.pixel(x, y)[std::size_t(c)] : 0;
+      const auto two = std::bit_cast<std::array<std::uint8_t, 2>>(value);
+      if (bits == 16)
+        bytes.insert(bytes.end(), two.begin(), two.end());
+      else
+        bytes.push_back(std::uint8_t(value));
+    }
+  };
+  const int side = layout.tile;
+  if (side > 0) {
+    TIFFSetField(tiff, TIFFTAG_TILEWIDTH, side);
+    TIFFSetField(tiff, TIFFTAG_TILELENGTH, side);
+  } else {
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, image.height);
+  }
+  for (int channel = layout.planar ? 0 : -1; channel < (layout.planar ? image.channels : 0); ++channel) {
+    const auto sample = std::uint16_t(std::max(channel, 0));
+    for (int y = 0; side == 0 && y < image.height; ++y) {
+      Bytes row;
+      for (int x = 0; x < image.width; ++x) put(row, x, y, channel);
+      REQUIRE(TIFFWriteScanline(tiff, row.data(), std::uint32_t(y), sample) == 1);
+    }
+    for (int top = 0; side > 0 && top < image.height; top += side)
+      for (int left = 0; left < image.width; left += side) {
+        Bytes tile;
+        for (int y = top; y < top + side; ++y)
+          for (int x = left; x < left + side; ++x) put(tile, x, y, channel);
+        REQUIRE(TIFFWriteTile(tiff, tile.data(), std::uint32_t(left), std::uint32_t(top), 0, sample) > 0);
       }
-    REQUIRE(TIFFWriteScanline(tiff, row.data(), std::uint32_t(y)) == 1);
   }
   TIFFClose(tiff);
 }
@@ -123,7 +158,8 @@ Bytes exifBlock(int orientation, bool bigEndian) {
           0,   0,   0,  0x12, 1, 3, 0, 1, 0, 0, 0,    value, 0, 0, 0, 0, 0, 0, 0};
 }
 
-Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry>& exif, bool bigEndian) {
+Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry>& exif, bool bigEndian,
+                const std::string& interoperability) {
   Bytes out{std::uint8_t(bigEndian ? 'M' : 'I'), std::uint8_t(bigEndian ? 'M' : 'I')};
   const auto putAt = [&](std::size_t at, std::uint32_t value, std::size_t size) {
     if (out.size() < at + size) out.resize(at + size);
@@ -159,7 +195,16 @@ Bytes exifBlock(const std::vector<ExifEntry>& first, const std::vector<ExifEntry
   directory(8, entries);
   const std::size_t at = out.size();
   putAt(8 + 2 + 12 * first.size() + 8, std::uint32_t(at), 4);
-  directory(at, exif);
+  if (interoperability.empty()) {
+    directory(at, exif);
+    return out;
+  }
+  std::vector<ExifEntry> more = exif;
+  more.push_back({0xa005, 4, {0}});
+  directory(at, more);
+  const std::size_t last = out.size();
+  putAt(at + 2 + 12 * exif.size() + 8, std::uint32_t(last), 4);
+  directory(last, {{1, 2, {}, interoperability}});
   return out;
 }
 
@@ -171,6 +216,18 @@ Bytes withExifBlock(const Bytes& jpeg, const Bytes& block) {
   const std::size_t length = 2 + 6 + block.size();
   Bytes segment{0xff, 0xe1, std::uint8_t(length >> 8), std::uint8_t(length & 255), 'E', 'x', 'i', 'f', 0, 0};
   segment.insert(segment.end(), block.begin(), block.end());
+  Bytes out = jpeg;
+  out.insert(out.begin() + 2, segment.begin(), segment.end());
+  return out;
+}
+
+Bytes withJpegProfile(const Bytes& jpeg, const Bytes& profile) {
+  Bytes segment{0xff, 0xe2, 0, 0, 'I', 'C', 'C', '_', 'P', 'R', 'O', 'F', 'I', 'L', 'E', 0, 1, 1};
+  segment.insert(segment.end(), profile.begin(), profile.end());
+  const std::size_t length = segment.size() - 2;
+  REQUIRE(length < 65536);
+  segment[2] = std::uint8_t(length >> 8);
+  segment[3] = std::uint8_t(length & 255);
   Bytes out = jpeg;
   out.insert(out.begin() + 2, segment.begin(), segment.end());
   return out;
@@ -212,16 +269,35 @@ Bytes withPngSize(Bytes png, int width, int height) {
   return png;
 }
 
-Bytes withPngExif(const Bytes& png, const Bytes& block) {
-  Bytes chunk{0, 0, 0, 0, 'e', 'X', 'I', 'f'};
-  putBig(chunk, 0, std::uint32_t(block.size()));
-  chunk.insert(chunk.end(), block.begin(), block.end());
+namespace {
+
+// Behind the header.
+Bytes withPngChunk(const Bytes& png, const char* name, const Bytes& data) {
+  Bytes chunk(8);
+  putBig(chunk, 0, std::uint32_t(data.size()));
+  std::copy_n(name, 4, chunk.begin() + 4);
+  chunk.insert(chunk.end(), data.begin(), data.end());
   const std::uint32_t check = chunkCheck(std::span(chunk).subspan(4));
   chunk.resize(chunk.size() + 4);
   putBig(chunk, chunk.size() - 4, check);
   Bytes out = png;
   out.insert(out.begin() + kHeader + kHeaderSize + 4, chunk.begin(), chunk.end());
   return out;
+}
+
+}  // namespace
+
+Bytes withPngExif(const Bytes& png, const Bytes& block) {
+  return withPngChunk(png, "eXIf", block);
+}
+
+Bytes withPngProfile(const Bytes& png, const Bytes& profile) {
+  Bytes chunk{'a', 0, 0};  // its name, and deflate
+  uLongf size = compressBound(uLong(profile.size()));
+  Bytes packed(size);
+  REQUIRE(compress(packed.data(), &size, profile.data(), uLong(profile.size())) == Z_OK);
+  chunk.insert(chunk.end(), packed.begin(), packed.begin() + std::ptrdiff_t(size));
+  return withPngChunk(png, "iCCP", chunk);
 }
 
 void writeBytes(const std::filesystem::path& path, const Bytes& bytes) {
