@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "batch/advice_report.h"
 #include "batch/build_options.h"
 #include "batch/command.h"
 #include "batch/unused.h"
@@ -69,7 +70,7 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
                 options.output.string(), report.cells.size(), resumed, points, triangles, report.dropped.size());
 }
 
-std::string reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
+Json reportJson(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options) {
   Json json{{"scene", options.output.string()},
             {"photographs", options.photographs.string()},
             {"model", report.poses.string()},
@@ -101,7 +102,7 @@ std::string reportJson(const BuildReport& report, const StageSeconds& stages, co
                                  {"resumed", backdrop.resumed}});
   for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
   for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
-  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+  return json;
 }
 
 ExitCode buildScene(const Options& options, const Context& context) {
@@ -115,7 +116,12 @@ ExitCode buildScene(const Options& options, const Context& context) {
     stages = progress.stageSeconds();
   }
   printReport(report, stages, build, context);
-  context.report(reportJson(report, stages, build));
+  Json json = reportJson(report, stages, build);
+  const Scene scene = loadScene(build.output);
+  const CaptureAdvice advice = adviseCapture(scene);
+  context.print("\nadvice\n{}", adviceText(advice));
+  json["capture"] = adviceJson(scene, advice);
+  context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/advice_report.h"
 #include "batch/command.h"
 #include "batch/model_info.h"
 #include "batch/picture_info.h"
@@ -28,8 +29,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, svg;
-  bool explain = false;
+  std::string scene, svg, advicePoses;
+  bool explain = false, advice = false;
+
+  bool wantsAdvice() const { return advice || !svg.empty() || !advicePoses.empty(); }
 };
 
 using Memory = MemoryDemand;
@@ -101,13 +104,13 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
 
 ExitCode showScene(const Options& options, const Context& context) {
   if (isImageFile(options.scene)) {
-    check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
-          "{} is a picture: --explain and --svg are for scenes", options.scene);
+    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
+          "{} is a picture: --explain, --advice and --svg are for scenes", options.scene);
     return showPicture(options.scene, context);
   }
   if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
-    check(!options.explain && options.svg.empty(), ErrorCode::unsupported,
-          "{} is no scene: --explain and --svg are for scenes", options.scene);
+    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
+          "{} is no scene: --explain, --advice and --svg are for scenes", options.scene);
     return *kind == AssetKind::htmModel ? showModel(options.scene, context) : showSequence(options.scene, context);
   }
   const Scene scene = loadScene(options.scene);
@@ -196,8 +199,18 @@ ExitCode showScene(const Options& options, const Context& context) {
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
     }
   }
+  CaptureAdvice advice;
+  if (options.wantsAdvice()) advice = adviseCapture(scene);
+  if (options.advice) {
+    context.print("\nadvice\n{}", adviceText(advice));
+    report["capture"] = adviceJson(scene, advice);
+  }
+  if (!options.advicePoses.empty()) {
+    writeNextViews(options.advicePoses, advice);
+    context.say(LogLevel::info, "the photographs to add are in {}", options.advicePoses);
+  }
   if (!options.svg.empty()) {
-    writeFile(options.svg, graphSvg(scene));
+    writeFile(options.svg, graphSvg(scene, advice));
     context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -208,9 +221,12 @@ ExitCode showScene(const Options& options, const Context& context) {
 
 const Command kInfoCommand{
     .name = "info",
-    .summary = "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes, or what drew a picture",
+    .summary =
+        "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes, or what drew a "
+        "picture",
     .examples =
-        "ibr info scene\nibr info scene --explain\nibr info scene --svg graph.svg\nibr info model\nibr info video\n"
+        "ibr info scene\nibr info scene --explain\nibr info scene --advice --svg graph.svg\nibr info scene "
+        "--advice-poses next.json\nibr info model\nibr info video\n"
         "ibr info pictures/frame_0000.png",
     .details = "",
     .afterInterrupt = "",
@@ -219,7 +235,13 @@ const Command kInfoCommand{
       app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
           ->required();
       app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
-      app.add_option("--svg", options->svg, "Also draw the image graph: cameras, cells by their score, what is unused")
+      app.add_flag("--advice", options->advice,
+                   "Also say what is amiss with the photographs, and where to take ten more");
+      app.add_option("--advice-poses", options->advicePoses,
+                     "Also write the poses of those ten: FILE.json is a camera path, else a folder with a COLMAP model")
+          ->type_name("FILE");
+      app.add_option("--svg", options->svg,
+                     "Also draw the image graph: cameras, cells by their score, what is unused, what to add")
           ->type_name("FILE");
       return [options](const Context& context) { return showScene(*options, context); };
     }};

@@ -22,7 +22,8 @@ namespace {
 constexpr double kWidth = 900, kLeastHeight = 240, kMostHeight = 900;
 constexpr double kMargin = 60, kLegend = 380, kLine = 16, kScaleBar = 160;
 constexpr std::size_t kLetters = 56;  // of a line of the legend
-constexpr std::size_t kMostListed = 40;
+constexpr std::size_t kMostListed = 40, kMostAmiss = 10;
+constexpr const char *kAddColour = "#c2410c", *kTroubleColour = "#b91c1c";
 
 // A walk through the colours of viridis (Smith & van der Walt 2015), without its bright end, which is lost on white.
 std::string colourOf(double share) {
@@ -38,7 +39,8 @@ std::string colourOf(double share) {
 
 class Drawing {
  public:
-  explicit Drawing(const Scene& scene) : scene_(scene), view_(graphView(scene)), used_(scene.nodes.size(), false) {
+  Drawing(const Scene& scene, const CaptureAdvice& advice)
+      : scene_(scene), advice_(advice), view_(graphView(scene)), used_(scene.nodes.size(), false) {
     for (const Cell& cell : scene.cells) {
       for (const std::uint32_t member : cell.members) used_[member] = true;
       if (cell.quality.score > best_) best_ = cell.quality.score;
@@ -53,6 +55,8 @@ class Drawing {
       if (!used_[n]) drawCamera(n);
     for (std::size_t n = 0; n < scene_.nodes.size(); ++n)
       if (used_[n]) drawCamera(n);
+    for (const Advice& advice : advice_.advice) drawTrouble(advice);
+    for (std::size_t v = 0; v < advice_.views.size(); ++v) drawNext(v);
     drawScale();
     const double legend = drawLegend();
     return fmt::format(
@@ -76,6 +80,10 @@ class Drawing {
       places.push_back(view_.flat(node.camera.pose.position));
       low = glm::min(low, places.back());
       high = glm::max(high, places.back());
+    }
+    for (const NextView& view : advice_.views) {
+      low = glm::min(low, view_.flat(view.camera.pose.position));
+      high = glm::max(high, view_.flat(view.camera.pose.position));
     }
     const glm::dvec2 size = high - low;
     scale_ = std::min((kWidth - 2 * kMargin) / size.x, (kMostHeight - 2 * kMargin) / size.y);
@@ -139,24 +147,52 @@ class Drawing {
 
   void drawCamera(std::size_t n) {
     const Node& node = scene_.nodes[n];
-    const Intrinsics& k = node.camera.intrinsics;
-    const glm::dvec2 centre = at(node.camera.pose.position);
     std::string title = escapedXml(node.name);
     if (const auto why = reason_.find(node.name); why != reason_.end()) title += ": " + escapedXml(why->second);
     put("<g stroke=\"{0}\" stroke-width=\"{1}\" fill=\"{0}\"><title>{2}</title>", used_[n] ? "#202830" : "#9a9a9a",
         used_[n] ? 1.0 : 1.6, title);
+    drawFrustum(node.camera);
+    const glm::dvec2 centre = at(node.camera.pose.position);
+    put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.2\" stroke=\"none\"/></g>", centre.x, centre.y);
+  }
+
+  void drawNext(std::size_t v) {
+    const NextView& next = advice_.views[v];
+    const glm::dvec2 centre = at(next.camera.pose.position);
+    put("<g stroke=\"{0}\" fill=\"{0}\"><title>{1}: {2}</title>", kAddColour, v + 1, escapedXml(next.where));
+    drawFrustum(next.camera);
+    put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"8\" stroke=\"#ffffff\"/>", centre.x, centre.y);
+    put("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" font-size=\"10\" font-weight=\"bold\" "
+        "stroke=\"none\" fill=\"#ffffff\">{}</text></g>",
+        centre.x, centre.y + 3.5, v + 1);
+  }
+
+  void drawTrouble(const Advice& advice) {
+    const auto place = [&](std::size_t i) { return at(scene_.nodes[advice.nodes[i]].camera.pose.position); };
+    if (advice.nodes.empty() || advice.kind == AdviceKind::apart || advice.kind == AdviceKind::unused) return;
+    put("<g stroke=\"{}\" stroke-width=\"1.6\" fill=\"none\"><title>{}</title>", kTroubleColour,
+        escapedXml(advice.sentence));
+    if (advice.kind == AdviceKind::wide || advice.kind == AdviceKind::hole)
+      put("<polyline points=\"{}\" stroke-dasharray=\"5 4\"/>", points({place(0), place(1)}));
+    else
+      put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\"/>", place(0).x, place(0).y);
+    put("</g>");
+  }
+
+  void drawFrustum(const Camera& camera) {
+    const Intrinsics& k = camera.intrinsics;
+    const glm::dvec2 centre = at(camera.pose.position);
     if (k.model == CameraModel::equirectangular) {
       put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill-opacity=\".08\"/>", centre.x, centre.y, frustum_ / 2);
     } else {
       std::vector<glm::dvec2> corners;
       for (const glm::dvec2 corner : {glm::dvec2(0, 0), {k.width, 0}, {k.width, k.height}, {0, k.height}}) {
-        const glm::dvec3 ray = node.camera.pose.rotation * unproject(k, corner);
+        const glm::dvec3 ray = camera.pose.rotation * unproject(k, corner);
         corners.push_back(centre + frustum_ * glm::dvec2(glm::dot(ray, view_.right), -glm::dot(ray, view_.up)));
       }
       put("<polygon points=\"{}\" fill-opacity=\".08\"/>", points(corners));
       for (const glm::dvec2& corner : corners) put("<polyline points=\"{}\" fill=\"none\"/>", points({centre, corner}));
     }
-    put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.2\" stroke=\"none\"/></g>", centre.x, centre.y);
   }
 
   void drawScale() {
@@ -190,6 +226,26 @@ class Drawing {
       y += kLine;
     }
     y += 6;
+    if (!advice_.views.empty()) {
+      line("to add", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kAddColour).c_str());
+      for (std::size_t v = 0; v < advice_.views.size(); ++v) {
+        bool first = true;
+        for (const std::string& part : wrapped(advice_.views[v].where, kLetters)) {
+          line(first ? fmt::format("{} {}", v + 1, part) : part, first ? 0 : 12, " font-size=\"11\"");
+          first = false;
+        }
+      }
+      y += 6;
+    }
+    if (!advice_.advice.empty()) {
+      line("amiss", 0, fmt::format(" font-weight=\"bold\" fill=\"{}\"", kTroubleColour).c_str());
+      for (std::size_t a = 0; a < std::min(advice_.advice.size(), kMostAmiss); ++a)
+        for (const std::string& part : wrapped(advice_.advice[a].sentence, kLetters))
+          line(part, 0, " font-size=\"11\"");
+      if (advice_.advice.size() > kMostAmiss)
+        line(fmt::format("and {} more", advice_.advice.size() - kMostAmiss), 0, " font-size=\"11\"");
+      y += 6;
+    }
     if (scene_.unused.empty()) return y;
     line(fmt::format("{} unused", scene_.unused.size()), 0, " font-weight=\"bold\" fill=\"#7a7a7a\"");
     for (std::size_t i = 0; i < std::min(scene_.unused.size(), kMostListed); ++i) {
@@ -203,6 +259,7 @@ class Drawing {
   }
 
   const Scene& scene_;
+  const CaptureAdvice& advice_;
   GraphView view_;
   std::vector<bool> used_;
   std::map<std::string, std::string> reason_;
@@ -214,8 +271,8 @@ class Drawing {
 
 }  // namespace
 
-std::string graphSvg(const Scene& scene) {
-  return Drawing(scene).text();
+std::string graphSvg(const Scene& scene, const CaptureAdvice& advice) {
+  return Drawing(scene, advice).text();
 }
 
 }  // namespace ibr::app

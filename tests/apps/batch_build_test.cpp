@@ -38,7 +38,8 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK_THAT(outcome.out, Contains("triangles") && Contains("in all"));
   CHECK(fs::exists(folder / "scene/scene.gltf"));
   const auto report = nlohmann::json::parse(readTextFile(folder / "report.json"));
-  for (const char* key : {"scene", "photographs", "model", "cells", "dropped", "unused", "stages", "seconds"})
+  for (const char* key :
+       {"scene", "photographs", "model", "cells", "dropped", "unused", "stages", "seconds", "capture"})
     CHECK(report.contains(key));
   REQUIRE(!report.at("cells").empty());
   for (const char* key :
@@ -47,6 +48,36 @@ TEST_CASE("build finds the model, says which, and reports") {
   CHECK(report["cells"][0]["triangles"] > 0);
   CHECK(!report.at("stages").empty());
 
+  SECTION("info advises as build did, in words, as poses and on the drawing") {
+    CHECK_THAT(outcome.out, Contains("advice"));
+    const auto info = runProgram({"info", folder / "scene", "--advice", "--svg", folder / "graph.svg", "--advice-poses",
+                                  folder / "next.json", "--json", folder / "info.json"});
+    INFO(info.err);
+    REQUIRE(info.code == 0);
+    const auto capture = nlohmann::json::parse(readTextFile(folder / "info.json")).at("capture");
+    CHECK((capture == report.at("capture")));
+    for (const auto& one : capture.at("advice"))
+      for (const char* key : {"kind", "severity", "sentence", "remedy", "photographs", "figure"})
+        CHECK(one.contains(key));
+    REQUIRE(!capture.at("next").empty());
+    for (const auto& next : capture["next"]) {
+      const std::string where = next.at("where");
+      CHECK_THAT(info.out, Contains(where));
+      CHECK(next.at("view").at("width") == 192);
+      CHECK(next.at("beside").size() >= 1);
+    }
+    CHECK_THAT(readTextFile(folder / "graph.svg"), Contains("to add"));
+    REQUIRE(runProgram({"info", folder / "scene", "--advice-poses", folder / "next"}).code == 0);
+    if (test::deviceIsThere()) {
+      for (const char* poses : {"next.json", "next"}) {
+        const auto render =
+            runProgram({"render", folder / "scene", "--poses", folder / poses, "-o", folder / "pictures"});
+        INFO(render.err);
+        CHECK(render.code == 0);
+      }
+      CHECK(filesBelow(folder / "pictures").contains("next_01.png"));
+    }
+  }
   SECTION("info and validate read it") {
     const auto info = runProgram({"info", folder / "scene", "--explain", "--svg", folder / "graph.svg", "--json", "-"});
     REQUIRE(info.code == 0);

@@ -84,6 +84,26 @@ TEST_CASE("cameras, cells and unused photographs are all drawn, and texts are es
   CHECK(count(svg, "#9a9a9a") == 2 * 1);  // one camera: stroke and fill
 }
 
+TEST_CASE("photographs to add are numbered, troubles drawn between or about their photographs") {
+  std::vector<Camera> cameras;
+  for (int i = 0; i < 4; ++i) cameras.push_back(test::lookingAlong({i, 0, 0}, {0, 1, 0}));
+  const Scene scene = sceneOf(cameras);
+  CaptureAdvice advice;
+  advice.views = {{test::lookingAlong({1.5, 0, 0}, {0, 1, 0}), {1, 2}, 0.5, "halfway between <1> and 2"},
+                  {test::lookingAlong({9, 4, 0}, {0, 1, 0}), {3}, 0.4, "far off"}};  // the drawing grows
+  advice.advice = {{AdviceKind::wide, Severity::warning, "1.jpg & 2.jpg are too far apart", "", {1, 2}, 0.5},
+                   {AdviceKind::blurred, Severity::warning, "3.jpg is not sharp", "", {3}, 0.2},
+                   {AdviceKind::row, Severity::hint, "a row", "", {}, 0}};
+  const std::string svg = graphSvg(scene, advice);
+  CHECK_THAT(svg, Contains("1: halfway between &lt;1&gt; and 2") && Contains("2: far off") && Contains("to add"));
+  CHECK_THAT(svg, Contains("1.jpg &amp; 2.jpg are too far apart") && Contains("amiss") && Contains("a row"));
+  CHECK(count(svg, "r=\"8\"") == 2);
+  CHECK(count(svg, "stroke-dasharray") == 1);
+  CHECK(count(svg, "r=\"7\"") == 1);
+  CHECK(count(svg, "<g ") == count(svg, "</g>"));
+  CHECK(graphSvg(scene) == graphSvg(scene, {}));
+}
+
 TEST_CASE("graphs without extent, scores or photographs are drawn too") {
   const Camera camera = test::lookingAlong({3, 4, 5}, {0, 1, 0});
   Scene one = sceneOf({camera}), same = sceneOf({camera, camera}), two = sceneOf({camera, camera});

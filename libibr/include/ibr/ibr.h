@@ -2,6 +2,7 @@
 // Everything of the runtime library. Authoring is in ibr/author.h.
 #pragma once
 
+#include "ibr/advice.h"
 #include "ibr/asset.h"
 #include "ibr/camera.h"
 #include "ibr/capture.h"

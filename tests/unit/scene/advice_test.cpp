@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+// Captures with one trouble each: it is told, and no other.
+#include "ibr/advice.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <set>
+
+#include "base/file.h"
+#include "image/ktx2.h"
+#include "image/mips.h"
+#include "scene/synthetic.h"
+#include "support/error_of.h"
+#include "support/posed_rig.h"
+#include "support/temporary_folder.h"
+
+using namespace ibr;
+using Catch::Matchers::Contains;
+
+namespace {
+
+using Cells = std::vector<std::vector<std::uint32_t>>;
+
+constexpr double kWall = 5;  // distance of what is photographed
+
+// Photographs between two walls: view0, view1, …
+SyntheticScene ofWall(const std::vector<Camera>& cameras, Cells cells) {
+  SyntheticOptions options;
+  options.cameras = cameras;
+  options.planes = {{{0, kWall, 0}, {1, 0, 0}, {0, 0, 1}, 40, 20, 1, 0.3},
+                    {{0, -kWall, 0}, {1, 0, 0}, {0, 0, 1}, 40, 20, 2, 0.3}};
+  options.cells = std::move(cells);
+  options.samplesPerAxis = 1;
+  options.gridStep = 8;
+  return makeScene(options);
+}
+
+Camera ahead(double x, double z = 0) {
+  return test::lookingAlong({x, 0, z}, {0, 1, 0}, 96, 72);
+}
+
+// Two rows of columns that are `step` apart, 0 1 2 … below and on above.
+std::vector<Camera> grid(int columns, double step) {
+  std::vector<Camera> cameras;
+  for (int row = 0; row < 2; ++row)
+    for (int c = 0; c < columns; ++c) cameras.push_back(ahead(step * c, step * row));
+  return cameras;
+}
+Cells gridCells(std::uint32_t columns) {
+  Cells cells;
+  for (std::uint32_t c = 0; c + 1 < columns; ++c) {
+    cells.push_back({c, c + 1, c + columns});
+    cells.push_back({c + 1, c + columns, c + columns + 1});
+  }
+  return cells;
+}
+
+std::set<std::string> kinds(const CaptureAdvice& advice) {
+  std::set<std::string> found;
+  for (const Advice& one : advice.advice) found.insert(adviceKindName(one.kind));
+  return found;
+}
+
+std::vector<std::string> sentences(const CaptureAdvice& advice) {
+  std::vector<std::string> list;
+  for (const Advice& one : advice.advice) list.push_back(one.sentence + ' ' + one.remedy);
+  return list;
+}
+
+void checkViews(const Scene& scene, const CaptureAdvice& advice) {
+  CHECK(advice.shownThen >= advice.shown);
+  double last = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < advice.views.size(); ++i) {
+    const NextView& view = advice.views[i];
+    const Pose& pose = view.camera.pose;
+    CHECK(view.gain > 0);
+    CHECK(view.gain <= last + 1e-9);
+    last = view.gain;
+    CHECK(!view.where.empty());
+    CHECK(!view.beside.empty());
+    CHECK(std::isfinite(glm::length(pose.position)));
+    CHECK(std::abs(glm::length(pose.rotation) - 1) < 1e-9);
+    CHECK(viewAxis(pose).y > 0.9);  // at the wall
+    for (const Node& node : scene.nodes) CHECK(glm::distance(pose.position, node.camera.pose.position) > 1e-3);
+    for (std::size_t j = 0; j < i; ++j)
+      CHECK(glm::distance(pose.position, advice.views[j].camera.pose.position) > 1e-3);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a good capture gives no complaint, and ten places where more may be taken") {
+  const Scene scene = ofWall(grid(4, 0.5), gridCells(4)).scene;
+  const CaptureAdvice advice = adviseCapture(scene);
+  CHECK(sentences(advice).empty());
+  CHECK(advice.views.size() == 10);
+  CHECK(advice.shown > 0.85);
+  checkViews(scene, advice);
+  CHECK(adviseCapture(scene, {.views = 3}).views.size() == 3);
+  CHECK(adviseCapture(scene, {.views = 0}).views.empty());
+}
+
+TEST_CASE("neighbours that are too far apart are named, and the first photograph to take is between them") {
+  std::vector<Camera> cameras = grid(4, 0.5);
+  for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.5;  // 3 from the second column to the third
+  const Scene scene = ofWall(cameras, gridCells(4)).scene;
+  const CaptureAdvice advice = adviseCapture(scene);
+  CHECK(kinds(advice) == std::set<std::string>{"wide"});
+  REQUIRE(advice.advice.size() == 2);
+  CHECK_THAT(sentences(advice)[0] + sentences(advice)[1],
+             Contains("view1 and view2 are too far apart") && Contains("view5 and view6") && Contains("more"));
+  CHECK(advice.advice[0].figure < 0.75);
+  REQUIRE(!advice.views.empty());
+  CHECK(advice.views[0].camera.pose.position.x > 0.6);
+  CHECK(advice.views[0].camera.pose.position.x < 2.9);
+  checkViews(scene, advice);
+
+  SECTION("with no cell between them, they are not joined") {
+    Cells cells = gridCells(4);
+    std::erase_if(cells, [](const auto& cell) {
+      const auto x = [](std::uint32_t i) { return i % 4; };
+      return std::ranges::min(cell, {}, x) % 4 == 1 && std::ranges::max(cell, {}, x) % 4 == 2;
+    });
+    const CaptureAdvice apart = adviseCapture(ofWall(cameras, cells).scene);
+    CHECK(kinds(apart) == std::set<std::string>{"apart"});
+    REQUIRE(apart.advice.size() == 1);
+    CHECK(apart.advice[0].severity == Severity::serious);
+    CHECK_THAT(apart.advice[0].sentence, Contains("a group of 4 photographs"));
+    CHECK(apart.views[0].camera.pose.position.x > 0.6);
+  }
+  SECTION("joined elsewhere, they are a hole") {
+    Cells cells = gridCells(4);
+    std::erase_if(cells, [](const auto& cell) { return cell == std::vector<std::uint32_t>{1, 2, 5}; });
+    std::erase_if(cells, [](const auto& cell) { return cell == std::vector<std::uint32_t>{2, 5, 6}; });
+    cells.push_back({1, 6});
+    const CaptureAdvice hole = adviseCapture(ofWall(cameras, cells).scene);
+    CHECK(kinds(hole) == std::set<std::string>{"hole"});
+    CHECK_THAT(sentences(hole)[0], Contains("Nothing joins"));
+  }
+}
+
+TEST_CASE("too few photographs, or all of them from one place") {
+  CHECK(kinds(adviseCapture(Scene{})) == std::set<std::string>{"tooFew"});
+  Scene one;
+  one.nodes.push_back({"view0", ahead(0), {}, {}});
+  const CaptureAdvice lonely = adviseCapture(one);
+  CHECK(kinds(lonely) == std::set<std::string>{"tooFew"});
+  CHECK_THAT(sentences(lonely)[0], Contains("view0 is the only photograph"));
+  CHECK(lonely.views.empty());
+
+  Scene turned = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}, {1, 2}}).scene;
+  for (Node& node : turned.nodes) node.camera.pose.position = {0, 0, 0};
+  CHECK(kinds(adviseCapture(turned)) == std::set<std::string>{"turned"});
+
+  Scene loose = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}}).scene;
+  loose.cells.clear();
+  loose.unused = {{"view1", "it shares nothing"}, {"elsewhere.jpg", "the poses do not know it"}};
+  const CaptureAdvice unjoined = adviseCapture(loose);
+  CHECK(kinds(unjoined) == std::set<std::string>{"tooFew", "unused"});
+  CHECK_THAT(sentences(unjoined)[0], Contains("None of the 3 photographs could be joined"));
+  CHECK_THAT(sentences(unjoined)[1] + sentences(unjoined)[2],
+             Contains("view1 is not used: it shares nothing.") && Contains("elsewhere.jpg"));
+}
+
+TEST_CASE("a row is hinted at, and a place beside it offered") {
+  const Scene scene = ofWall({ahead(0), ahead(0.5), ahead(1), ahead(1.5)}, {{0, 1}, {1, 2}, {2, 3}}).scene;
+  const CaptureAdvice advice = adviseCapture(scene, {.views = 40});
+  CHECK(kinds(advice) == std::set<std::string>{"row"});
+  CHECK(advice.advice[0].severity == Severity::hint);
+  checkViews(scene, advice);
+  CHECK(std::ranges::any_of(advice.views, [](const NextView& v) { return std::abs(v.camera.pose.position.z) > 0.4; }));
+  CHECK(std::ranges::any_of(advice.views, [](const NextView& v) { return v.where.find("higher") != v.where.npos; }));
+}
+
+TEST_CASE("what is the matter with one photograph is told of that one") {
+  SyntheticScene made = ofWall(grid(4, 0.5), gridCells(4));
+  Scene& scene = made.scene;
+  const auto only = [&](const char* kind, const char* name) {
+    const CaptureAdvice advice = adviseCapture(scene);
+    INFO(Catch::StringMaker<std::vector<std::string>>::convert(sentences(advice)));
+    CHECK(kinds(advice) == std::set<std::string>{kind});
+    REQUIRE(advice.advice.size() == 1);
+    CHECK_THAT(advice.advice[0].sentence, Contains(name));
+    CHECK(!advice.advice[0].remedy.empty());
+  };
+  SECTION("it is not used") {
+    scene.unused = {{"last.jpg", "it is blank"}};
+    only("unused", "last.jpg is not used: it is blank.");
+  }
+  SECTION("it repeats another") {
+    std::vector<Camera> cameras = grid(4, 0.5);
+    cameras.push_back(ahead(0.5));
+    scene = ofWall(cameras, gridCells(4)).scene;
+    only("twice", "view8 repeats view1");
+  }
+  SECTION("its pose is doubtful") {
+    for (Cell& cell : scene.cells)
+      cell.quality.residualPx = std::ranges::count(cell.members, 0u) ? 2 : 0.1;  // one cell
+    only("pose", "Where view0 was taken from is doubtful");
+  }
+  SECTION("hardly anything agrees with its neighbours") {
+    for (Cell& cell : scene.cells)
+      if (std::ranges::count(cell.members, 0u)) {  // a corner: one cell
+        MorphMesh& mesh = cell.mesh;
+        for (std::size_t t = mesh.triangles.size() / 8; t < mesh.tier.size(); ++t) mesh.tier[t] = kTierRejected;
+      }
+    only("unmatched", "view0");
+  }
+  SECTION("all poses are doubtful") {
+    for (Cell& cell : scene.cells) cell.quality.residualPx = 2;
+    only("pose", "not well known");
+  }
+}
+
+TEST_CASE("a look that a place lacks is told by a neighbour that has it") {
+  const auto back = [](double x) { return test::lookingAlong({x, 0, 0}, {0, -1, 0}, 96, 72); };
+  // Five places in a row, each with two looks but the middle one.
+  std::vector<Camera> cameras;
+  Cells cells;
+  for (int i = 0; i < 5; ++i) cameras.push_back(ahead(0.9 * i));
+  for (int i : {0, 1, 3, 4}) cameras.push_back(back(0.9 * i));
+  for (std::uint32_t i = 0; i < 4; ++i) cells.push_back({i, i + 1});
+  cells.push_back({5, 6});
+  cells.push_back({7, 8});
+  const CaptureAdvice advice = adviseCapture(ofWall(cameras, cells).scene);
+  CHECK(kinds(advice) == std::set<std::string>{"direction", "row"});
+  CHECK_THAT(sentences(advice)[0], Contains("From where view2 was taken nothing looks as view"));
+  CHECK(
+      std::ranges::any_of(advice.views, [](const NextView& v) { return v.where.starts_with("from where view2 was"); }));
+}
+
+TEST_CASE("exposure and blur are told from the pictures") {
+  test::TemporaryFolder folder;
+  SyntheticScene made = ofWall(grid(4, 0.5), gridCells(4));
+  made.scene.folder = folder.path();
+  const auto store = [&](std::size_t n, const Image8& rgb) {
+    Node& node = made.scene.nodes[n];
+    node.textureFile = node.name + ".ktx2";
+    writeKtx2(folder.path() / node.textureFile, encodeTexture(buildMips(rgb), TextureFormat::rgba8));
+  };
+  for (std::size_t n = 0; n < made.photographs.size(); ++n) store(n, made.photographs[n]);
+  CHECK(sentences(adviseCapture(made.scene)).empty());
+  const Image8& good = made.photographs[2];
+
+  SECTION("two stops darker") {
+    Image8 dark = good;
+    for (std::uint8_t& v : dark.values)
+      v = std::uint8_t(std::lround(255 * std::pow(std::pow(v / 255.0, 2.2) / 4, 1 / 2.2)));
+    store(2, dark);
+    const CaptureAdvice advice = adviseCapture(made.scene);
+    CHECK(kinds(advice) == std::set<std::string>{"exposure"});
+    REQUIRE(advice.advice.size() == 1);
+    CHECK_THAT(advice.advice[0].sentence, Contains("view2") && Contains("stops darker"));
+    CHECK(advice.advice[0].figure == Approx(-2).margin(0.3));
+    CHECK(adviseCapture(made.scene, {.pictures = false}).advice.empty());
+  }
+  SECTION("half a stop is nothing") {
+    Image8 brighter = good;
+    for (std::uint8_t& v : brighter.values) v = std::uint8_t(std::min(255.0, v * 1.17));
+    store(2, brighter);
+    CHECK(sentences(adviseCapture(made.scene)).empty());
+  }
+  SECTION("blurred") {
+    Image8 soft = good;
+    for (int y = 0; y < good.height; ++y)
+      for (int x = 0; x < good.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          int sum = 0, count = 0;
+          for (int j = std::max(0, y - 3); j <= std::min(good.height - 1, y + 3); ++j)
+            for (int i = std::max(0, x - 3); i <= std::min(good.width - 1, x + 3); ++i, ++count)
+              sum += good.pixel(i, j)[std::size_t(c)];
+          soft.pixel(x, y)[std::size_t(c)] = std::uint8_t(sum / count);
+        }
+    store(2, soft);
+    const CaptureAdvice advice = adviseCapture(made.scene);
+    CHECK(kinds(advice) == std::set<std::string>{"blurred"});
+    REQUIRE(advice.advice.size() == 1);
+    CHECK_THAT(sentences(advice)[0], Contains("view2 is much less sharp"));
+  }
+  SECTION("textures that cannot be read are passed over") {
+    writeFile(folder.path() / made.scene.nodes[2].textureFile, std::string_view("no texture"));
+    std::filesystem::remove(folder.path() / made.scene.nodes[3].textureFile);
+    made.scene.nodes[4].textureFile.clear();
+    CHECK(sentences(adviseCapture(made.scene)).empty());
+  }
+}
+
+TEST_CASE("neither the order of things nor where the world lies changes what is advised") {
+  std::vector<Camera> cameras = grid(4, 0.5);
+  for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += 2.7;
+  const Scene scene = ofWall(cameras, gridCells(4)).scene;
+  const CaptureAdvice before = adviseCapture(scene);
+
+  Scene shuffled = scene;
+  std::ranges::reverse(shuffled.nodes);
+  std::ranges::reverse(shuffled.cells);
+  for (Cell& cell : shuffled.cells)
+    for (std::uint32_t& m : cell.members) m = std::uint32_t(scene.nodes.size()) - 1 - m;
+  const CaptureAdvice reversed = adviseCapture(shuffled);
+
+  Scene moved = scene;
+  const glm::dquat turn = glm::normalize(glm::dquat(0.3, -0.5, 0.2, 0.7));
+  for (Node& node : moved.nodes) {
+    Pose& pose = node.camera.pose;
+    pose = {glm::dvec3(500, -20, 80) + turn * pose.position * 64.0, turn * pose.rotation};
+  }
+  for (Cell& cell : moved.cells)
+    for (float& inverse : cell.mesh.inverseDistance) inverse /= 64;
+  const CaptureAdvice elsewhere = adviseCapture(moved);
+
+  for (const CaptureAdvice& after : {reversed, elsewhere}) {
+    CHECK(sentences(after) == sentences(before));
+    CHECK(after.shown == Approx(before.shown).epsilon(1e-3));
+    REQUIRE(after.views.size() == before.views.size());
+    for (std::size_t i = 0; i < after.views.size(); ++i)
+      CHECK(after.views[i].gain == Approx(before.views[i].gain).epsilon(0.02));
+    CHECK(after.views[0].where == before.views[0].where);
+  }
+}
+
+TEST_CASE("a scene with a fault is refused, one at infinity is not") {
+  Scene scene = ofWall(grid(2, 0.5), gridCells(2)).scene;
+  scene.cells[0].members[0] = 99;
+  CHECK_THAT(test::errorOf([&] { adviseCapture(scene); }).what(), Contains("cells[0].members[0]"));
+
+  Scene far = ofWall(grid(3, 0.5), gridCells(3)).scene;
+  for (Cell& cell : far.cells) {
+    cell.mesh.inverseDistance.assign(cell.mesh.pointCount(), 0.0f);
+    for (auto& ratio : cell.mesh.ratio) ratio.assign(ratio.size(), 1.0f);
+  }
+  const CaptureAdvice advice = adviseCapture(far);
+  CHECK(sentences(advice).empty());
+  CHECK(advice.shown == 1);
+  CHECK(advice.views.empty());
+}
