@@ -18,6 +18,7 @@ constexpr std::array kCommands{
     &kBuildCommand,  &kOptimiseCommand, &kSweepCommand,    &kInfoCommand, &kValidateCommand,
     &kRenderCommand, &kEvalCommand,     &kAccuracyCommand, &kWalkCommand, &kCompareCommand,
     &kBenchCommand,  &kSynthCommand,    &kSplitCommand,    &kHtmCommand,  &kDeviceCommand,
+    &kDoctorCommand,
 };
 
 // Examples come first: most readers want one of them.

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "base/child_process.h"
+#include "base/file.h"
+#include "batch/findings.h"
+#include "ibr/device.h"
+#include "shared/table.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr double kGiB = 1024.0 * 1024 * 1024;
+constexpr double kLeastMemory = 2 * kGiB;  // free, for photographs of 24 megapixels
+constexpr double kLittleDisk = 5 * kGiB, kNoDisk = 0.2 * kGiB;
+constexpr auto kPatience = std::chrono::seconds(10);  // for a program to tell its version
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+void examineDevices(Findings& findings) {
+  constexpr const char* kRemedy =
+      "Install the driver of the graphics card; on Debian, the package mesa-vulkan-drivers has them for AMD and Intel, "
+      "and one that needs no graphics card.";
+  std::vector<DeviceDescription> devices;
+  try {
+    devices = Device::list();
+  } catch (const Error& e) {
+    findings.add(
+        {"device", Severity::serious, fmt::format("Vulkan does not start: {}.", e.what()), kRemedy, kExitUnsupported});
+    return;
+  }
+  bool usable = false, graphicsCard = false;
+  for (const DeviceDescription& device : devices) {
+    std::string why;
+    for (const std::string& reason : device.lacking) why += (why.empty() ? "" : ", ") + reason;
+    if (!why.empty()) {
+      findings.add({"device", Severity::hint, fmt::format("{} cannot be used: {}.", device.name, why),
+                    "A newer driver may help.", kExitUnsupported});
+      continue;
+    }
+    usable = true;
+    graphicsCard |= device.type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+    findings.fact(fmt::format("Vulkan device: {}, driver {}", device.name, device.driver));
+  }
+  if (!usable)
+    findings.add({"device", Severity::serious,
+                  devices.empty() ? "There is no Vulkan device." : "No Vulkan device can be used.", kRemedy,
+                  kExitUnsupported});
+  else if (!graphicsCard)
+    findings.add({"device", Severity::warning,
+                  "Pictures are drawn by the processor: they are right, but a picture of a megapixel takes tenths of a "
+                  "second, and a headset cannot be served.",
+                  "With a graphics card in this machine, install its driver."});
+}
+
+struct ProgramVersion {
+  bool there = false;
+  std::string firstLine;
+};
+
+ProgramVersion versionOf(const std::vector<std::string>& command) {
+  ProgramVersion version;
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  try {
+    runChild(
+        command, {},
+        [&](std::string_view line) {
+          if (version.firstLine.empty()) version.firstLine = line;
+        },
+        [&] { return std::chrono::steady_clock::now() < end; });
+    version.there = true;
+  } catch (const Error&) {
+  }
+  return version;
+}
+
+void examinePrograms(Findings& findings) {
+  if (const ProgramVersion colmap = versionOf({"colmap", "help"}); !colmap.there) {
+    findings.add({"colmap", Severity::warning,
+                  "The program COLMAP is not there: photographs cannot be built without their poses.",
+                  "Install it (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
+  } else {
+    int major = 0, minor = 0;
+    if (std::sscanf(colmap.firstLine.c_str(), "COLMAP %d.%d", &major, &minor) == 2 &&
+        (major < 3 || (major == 3 && minor < 8)))
+      findings.add({"colmap", Severity::warning, fmt::format("COLMAP {}.{} is too old.", major, minor),
+                    "Poses are estimated by 3.8 or later."});
+    findings.fact(fmt::format("poses: {}", colmap.firstLine));
+  }
+  if (const ProgramVersion ffmpeg = versionOf({"ffmpeg", "-version"}); !ffmpeg.there)
+    findings.add({"ffmpeg", Severity::hint,
+                  "The program ffmpeg is not there: pictures of a walk do not become a video.",
+                  "Install it (Debian: apt-get install ffmpeg)."});
+  else
+    findings.fact("videos: " + ffmpeg.firstLine.substr(0, ffmpeg.firstLine.find(" Copyright")));
+}
+
+void examineMemory(Findings& findings) {
+  std::ifstream file("/proc/meminfo");
+  double available = -1, total = -1;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string key;
+    double kibibytes = 0;
+    if (!(words >> key >> kibibytes)) continue;
+    if (key == "MemTotal:") total = 1024 * kibibytes;
+    if (key == "MemAvailable:") available = 1024 * kibibytes;
+  }
+  if (total < 0 || available < 0) return;
+  findings.fact(fmt::format("{} processor cores, {} of {} of memory free", std::thread::hardware_concurrency(),
+                            bytesText(available), bytesText(total)));
+  if (available < kLeastMemory)
+    findings.add({"memory", Severity::warning, fmt::format("Only {} of memory is free.", bytesText(available)),
+                  "Close other programs, or build smaller photographs (--max-size 1600)."});
+}
+
+void examineDisk(Findings& findings) {
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  const fs::space_info space = fs::space(here, error);
+  if (error) return;
+  const auto left = double(space.available);
+  if (left < kLittleDisk)
+    findings.add({"disk", left < kNoDisk ? Severity::serious : Severity::warning,
+                  fmt::format("Only {} of disk is left in {}.", bytesText(left), here.string()),
+                  "A scene takes up to six bytes for each pixel of its photographs: make room, or build with --texture "
+                  "bc7.",
+                  kExitIo});
+  else
+    findings.fact(fmt::format("{} of disk left in {}", bytesText(left), here.string()));
+}
+
+void examineDisplay(Findings& findings) {
+  if (!environment("DISPLAY").empty()) return;
+  const bool wayland = !environment("WAYLAND_DISPLAY").empty();
+  findings.add({"display", Severity::hint,
+                wayland ? "There is a Wayland display and no X11 display: ibr-viewer may not open its window."
+                        : "There is no display: ibr-viewer cannot open a window.",
+                wayland ? "Install Xwayland." : "ibr render and ibr eval need none."});
+}
+
+// Where the loader of OpenXR looks (OpenXR loader specification, "Runtime Enumeration").
+std::vector<fs::path> runtimeFiles() {
+  if (const std::string given = environment("XR_RUNTIME_JSON"); !given.empty()) return {given};
+  std::vector<fs::path> folders;
+  const std::string config = environment("XDG_CONFIG_HOME"), home = environment("HOME");
+  if (!config.empty() || !home.empty())
+    folders.push_back(config.empty() ? fs::path(home) / ".config" : fs::path(config));
+  std::string shared = environment("XDG_CONFIG_DIRS");
+  std::istringstream list(shared.empty() ? "/etc/xdg" : shared);
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) folders.emplace_back(folder);
+  folders.insert(folders.end(), {"/usr/local/etc", "/etc"});
+  std::vector<fs::path> files;
+  for (const fs::path& folder : folders)
+    for (const char* name : {"active_runtime.x86_64.json", "active_runtime.aarch64.json", "active_runtime.json"})
+      files.push_back(folder / "openxr/1" / name);
+  return files;
+}
+
+void examineHeadset(Findings& findings) {
+  std::error_code ignored;
+  for (const fs::path& file : runtimeFiles()) {
+    if (!fs::exists(file, ignored)) continue;
+    try {
+      const auto json = nlohmann::json::parse(readTextFile(file));
+      fs::path library = json.at("runtime").at("library_path").get<std::string>();
+      const bool pathGiven = library.has_parent_path();
+      if (pathGiven && library.is_relative()) library = fs::canonical(file).parent_path() / library;
+      if (pathGiven && !fs::exists(library, ignored))
+        findings.add(
+            {"headset", Severity::warning,
+             fmt::format("The OpenXR runtime that {} names is not there: {}.", file.string(), library.string()),
+             "Install it again, or make another one the active runtime."});
+      else
+        findings.fact(fmt::format("headsets: {}", json["runtime"].value("name", library.string())));
+    } catch (const std::exception&) {
+      findings.add({"headset", Severity::warning, fmt::format("{} does not name an OpenXR runtime.", file.string()),
+                    "Install the headset's runtime again."});
+    }
+    return;
+  }
+  findings.add({"headset", Severity::hint, "There is no OpenXR runtime: ibr-vr finds no headset.",
+                "Install Monado, SteamVR or WiVRn, and make it the active runtime."});
+}
+
+}  // namespace
+
+void examineMachine(Findings& findings, const Context&) {
+  examineDevices(findings);
+  examineMemory(findings);
+  examineDisk(findings);
+  examinePrograms(findings);
+  examineDisplay(findings);
+  examineHeadset(findings);
+}
+
+}  // namespace ibr::app
