@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
@@ -20,6 +22,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   BuildChoices choices;
   std::string photographs, output;
+  bool dryRun = false;
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -28,7 +31,41 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+// A line or two, for people.
+std::string predictionText(const BuildPrediction& p) {
+  std::string text =
+      fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs, p.megapixels,
+                  p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
+  if (!p.posesKnown) text += "poses are estimated first, which may take long; then ";
+  text += fmt::format("about {} on {} threads, at most {} of memory and {} of the disk", durationText(p.seconds),
+                      p.threads, bytesText(p.memory), bytesText(p.disk));
+  return p.diskFree > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFree)) : text;
+}
+
+Json predictionJson(const BuildPrediction& p) {
+  Json json{{"photographs", p.photographs}, {"megapixels", p.megapixels},
+            {"cells", p.cells},             {"cellsKnown", p.cellsKnown},
+            {"backdrops", p.backdrops},     {"posesKnown", p.posesKnown},
+            {"threads", p.threads},         {"seconds", p.seconds},
+            {"processorSeconds", p.processorSeconds}, {"memory", p.memory},
+            {"memoryAllowed", p.memoryAllowed},       {"disk", p.disk},
+            {"diskFree", p.diskFree},       {"stages", Json::array()}};
+  for (const auto& stage : p.stages)
+    json["stages"].push_back(
+        {{"stage", stage.name}, {"seconds", stage.seconds}, {"processorSeconds", stage.processorSeconds}});
+  return json;
+}
+
 using StageSeconds = std::vector<std::pair<std::string, double>>;
+
+// A screen is not filled with hundreds of rows; a file or a pipe gets them all.
+std::size_t rowsShown(std::size_t rows) {
+  constexpr std::size_t kMost = 24;
+  return ::isatty(STDOUT_FILENO) && rows > kMost ? kMost : rows;
+}
+std::string restText(std::size_t rows) {
+  return rows > 0 ? fmt::format("… and {} more: --json writes all\n", rows) : std::string();
+}
 
 void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
                  const Context& context) {
@@ -36,8 +73,10 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
   cells.row(
       {"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
   std::size_t points = 0, triangles = 0, resumed = 0;
-  for (const auto& cell : report.cells) {
-    cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
+  const std::size_t shown = rowsShown(report.cells.size());
+  for (std::size_t c = 0; c < report.cells.size(); ++c) {
+    const auto& cell = report.cells[c];
+    if (c < shown) cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
                fmt::format("{}", cell.triangles),
                fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
                numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3),
@@ -46,7 +85,7 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
     triangles += cell.triangles;
     resumed += cell.resumed;
   }
-  context.print("{}\n", cells.text());
+  context.print("{}{}\n", cells.text(), restText(report.cells.size() - shown));
   std::size_t backdropPoints = 0, backdropTriangles = 0;
   double known = 0;
   for (const auto& backdrop : report.backdrops) {
@@ -60,12 +99,14 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
   if (!report.dropped.empty()) {
     Table dropped;
     dropped.row({"dropped cell", "why"});
-    for (const auto& [what, reason] : report.dropped) dropped.row({what, reason});
-    context.print("{}\n", dropped.text());
+    const std::size_t rows = rowsShown(report.dropped.size());
+    for (std::size_t d = 0; d < rows; ++d) dropped.row({report.dropped[d].what, report.dropped[d].reason});
+    context.print("{}{}\n", dropped.text(), restText(report.dropped.size() - rows));
   }
   context.print("{}", unusedText(report.unused));
   for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
-  context.print("{:>9.1f} s  in all\n\n", report.seconds);
+  context.print("{:>9.1f} s  in all ({} were predicted), at most {} of memory (of {})\n\n", report.seconds,
+                durationText(report.prediction.seconds), bytesText(report.memory), bytesText(report.prediction.memory));
   context.print("{}: {} cells ({} of them kept from before), {} points, {} triangles; {} cells dropped\n",
                 options.output.string(), report.cells.size(), resumed, points, triangles, report.dropped.size());
 }
@@ -79,7 +120,10 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
             {"dropped", Json::array()},
             {"unused", unusedJson(report.unused)},
             {"stages", Json::array()},
-            {"seconds", report.seconds}};
+            {"seconds", report.seconds},
+            {"processorSeconds", report.processorSeconds},
+            {"memory", report.memory},
+            {"predicted", predictionJson(report.prediction)}};
   for (const auto& cell : report.cells)
     json["cells"].push_back({{"members", cell.members},
                              {"points", cell.points},
@@ -92,6 +136,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
                              {"matcher", methodName(cell.matcher)},
                              {"homogeneous", std::isnan(cell.homogeneous) ? Json(nullptr) : Json(cell.homogeneous)},
                              {"seconds", cell.seconds},
+                             {"processorSeconds", cell.processorSeconds},
                              {"resumed", cell.resumed}});
   for (const auto& backdrop : report.backdrops)
     json["backdrops"].push_back({{"photograph", backdrop.photograph},
@@ -108,12 +153,23 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
 ExitCode buildScene(const Options& options, const Context& context) {
   BuildOptions build = buildOptionsOf(options.choices, options.photographs, context);
   build.output = options.output;
+  build.predicted = [&](const BuildPrediction& prediction) {
+    if (options.dryRun)
+      context.print("{}\n", predictionText(prediction));
+    else
+      context.say(LogLevel::info, "{}", predictionText(prediction));
+    return !options.dryRun;
+  };
   BuildReport report;
   StageSeconds stages;
   {
     ProgressLine progress(context);
     report = ibr::build(build, progress.callback(), context.log());
     stages = progress.stageSeconds();
+  }
+  if (options.dryRun) {
+    context.report(Json{{"predicted", predictionJson(report.prediction)}}.dump(2));
+    return kExitOk;
   }
   printReport(report, stages, build, context);
   Json json = reportJson(report, stages, build);
@@ -134,6 +190,8 @@ const Command kBuildCommand{
         "ibr build photographs -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
         "ibr build photographs --transforms transforms.json -o scene\n"
+        "ibr build photographs -o scene --dry-run --json -\n"
+        "ibr build photographs -o scene --memory 8G --threads 4\n"
         "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
@@ -149,6 +207,8 @@ const Command kBuildCommand{
           ->required()
           ->type_name("SCENE");
       declareBuildOptions(app, options->choices);
+      app.add_flag("--dry-run", options->dryRun,
+                   "Only say how long it will take, and how much memory and disk; make nothing");
       return [options](const Context& context) { return buildScene(*options, context); };
     }};
 

@@ -82,9 +82,19 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   app.add_flag("--keep-border", choices.build.keepBorder,
                "Keep all of photographs whose lens distorts; what was not photographed is black and in no mesh [the "
                "largest full rectangle]");
+  addChoice<Orientation>(
+      app, "--orientation", choices.build.orientation,
+      {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
+      "How photographs that EXIF says are turned lie before their cameras: as stored (COLMAP), or upright [auto: as "
+      "their shapes say]");
   app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
       ->type_name("NAME...");
   app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");
+  app.add_option_function<std::string>(
+         "--memory",
+         [&choices](const std::string& text) { choices.build.memory = double(parsedBytes("--memory", text)); },
+         "Memory that building may take, as 800M or 8G [half of what there is, or of what a container may have]")
+      ->type_name("BYTES");
   addInt(app, "--max-size", choices.build.maxSize, 0, 65536, "Longest side of stored photographs; 0 = as they are");
   declareTextureFormat(app, choices.build.texture);
   addChoice<int>(app, "--dimension", choices.build.dimension, {{"auto", 0}, {"1", 1}, {"2", 2}, {"3", 3}},

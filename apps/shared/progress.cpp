@@ -27,14 +27,14 @@ void setBar(std::string bar) {
   barOnScreen = std::move(bar);
 }
 
+}  // namespace
+
 std::string durationText(double seconds) {
   const auto whole = static_cast<long long>(seconds + 0.5);
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
-
-}  // namespace
 
 void writeBesideProgress(std::string_view line) {
   const std::lock_guard lock(stderrMutex);

@@ -44,6 +44,9 @@ class ProgressLine {
   int tenths_ = -1;
 };
 
+/// "7 s", "3 min 05 s", "2 h 10 min"
+std::string durationText(double seconds);
+
 /// Writes a whole line to stderr, above the bar if there is one.
 void writeBesideProgress(std::string_view line);
 

@@ -287,6 +287,33 @@ TEST_CASE("without poses COLMAP is run, and what it made is kept") {
   CHECK_THAT(missing.err, Contains("no-such-colmap") && Contains("--model"));
 }
 
+TEST_CASE("a dry run says what building takes, and makes nothing") {
+  test::TemporaryFolder folder;
+  const test::TinySet set = test::makeTinySet(folder.path());
+  const auto dry = runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run"});
+  INFO(dry.err);
+  REQUIRE(dry.code == 0);
+  CHECK_THAT(dry.out, Contains("3 photographs") && Contains("cell") && Contains("threads") && Contains("of memory") &&
+                          Contains("of the disk"));
+  CHECK(!fs::exists(folder / "scene"));
+  const auto told = nlohmann::json::parse(
+      runProgram({"build", set.photographs, "-o", folder / "scene", "--dry-run", "--json", "-"}).out);
+  CHECK(told.at("predicted").at("photographs") == 3);
+  CHECK(told.at("predicted").at("memory") > 1e6);
+  CHECK(!fs::exists(folder / "scene"));
+  const auto real =
+      runProgram({"build", set.photographs, "-o", folder / "scene", "--memory", "2G", "--json", "-"});
+  REQUIRE(real.code == 0);
+  CHECK_THAT(real.err, Contains("3 photographs") && Contains("of memory"));
+  const auto report = nlohmann::json::parse(real.out);
+  CHECK(report.at("predicted").at("cells") == told.at("predicted").at("cells"));
+  CHECK(report.at("predicted").at("memoryAllowed") == 2147483648.0);
+  CHECK(report.at("memory") < report.at("predicted").at("memory"));
+  CHECK(report.at("processorSeconds") > 0);
+  CHECK(runProgram({"build", set.photographs, "-o", folder / "s", "--memory", "lots"}).code == 1);
+  CHECK(runProgram({"build", set.photographs, "-o", folder / "s", "--orientation", "left"}).code == 1);
+}
+
 TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());

@@ -119,10 +119,34 @@ enum class TriangleFilter : std::uint8_t {
   homogeneous,  // of these, in cells with planes (MorphMesh::planes), those whose corners share one
 };
 
+/// How photographs lie in their files, in relation to the model's cameras.
+enum class Orientation : std::uint8_t {
+  automatic,  // as their shapes say; where both fit (half turns, squares), as the other photographs of the set
+  stored,     // the cameras are those of the pictures as stored, whatever EXIF says: COLMAP's way
+  exif,       // the cameras are those of the pictures turned upright as EXIF says
+};
+
 /// What is done to a scene when it is whole and not yet written; its photographs stand in its folder. Cells' meshes and
 /// qualities may change. What a stopped build need not do again may be kept in `finished` (optimiseCells does).
 using SceneFinisher = std::function<void(Scene& scene, const std::filesystem::path& finished,
                                          const ProgressCallback& progress, const LogCallback& log)>;
+
+/// What a build will take, as far as it can be said before it begins. Bytes, s.
+struct BuildPrediction {
+  struct Stage {
+    std::string name;
+    double seconds = 0, processorSeconds = 0;  // that pass; of all threads
+  };
+  std::size_t photographs = 0, cells = 0, backdrops = 0;
+  bool posesKnown = true;  // without: poses are estimated first, which takes time that is not in here
+  bool cellsKnown = true;  // without: of a model without tracks the number of cells is a guess
+  double megapixels = 0;   // of all photographs, as they are stored
+  int threads = 0;         // that match cells side by side
+  std::vector<Stage> stages;
+  double seconds = 0, processorSeconds = 0;
+  double memory = 0, memoryAllowed = 0;  // at most; allowed by BuildOptions::memory
+  double disk = 0, diskFree = 0;         // below the scene's folder, while it is made
+};
 
 struct BuildOptions {
   std::filesystem::path photographs;  // folder that image names of the model are relative to
@@ -132,6 +156,7 @@ struct BuildOptions {
   std::string colmap = "colmap";      // the program that it runs
   std::filesystem::path output;       // scene folder; made if missing
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
+  Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
   bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
@@ -145,7 +170,10 @@ struct BuildOptions {
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
   TriangleFilter triangleFilter = TriangleFilter::consistency;
   SceneFinisher finish;     // none: nothing
+  std::function<bool(const BuildPrediction&)> predicted;  // told before work begins, again once poses are estimated;
+                                                          // false: the build ends there and nothing is written
   int threads = 0;          // 0 = all cores
+  double memory = 0;        // bytes that the work may take; 0 = half of what this process may have (memoryBudget)
   std::uint64_t seed = 1;   // same input, options and seed: same bytes
 };
 
@@ -154,7 +182,7 @@ struct BuildReport {
     std::vector<std::string> members;
     std::size_t points = 0, triangles = 0, tier0 = 0;
     CellQuality quality;
-    double seconds = 0;
+    double seconds = 0, processorSeconds = 0;
     bool resumed = false;              // taken from an interrupted build
     MatchMethod matcher = MatchMethod::sweep;  // that was chosen
     double homogeneous = 0;  // share of the triangles of tier 0 whose corners share a plane; NaN without planes
@@ -175,7 +203,9 @@ struct BuildReport {
   std::vector<BackdropLine> backdrops;
   std::vector<Dropped> dropped;          // cells that were refused, or failed when they were matched
   std::vector<UnusedPhotograph> unused;  // as the scene has them
-  double seconds = 0;
+  BuildPrediction prediction;            // the last one that was told
+  double seconds = 0, processorSeconds = 0;
+  double memory = 0;  // that the process had at most, bytes
 };
 
 /// Builds a scene folder. Cells and backdrops are finished one by one and kept, so that an interrupted or cancelled

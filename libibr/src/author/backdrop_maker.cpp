@@ -15,7 +15,6 @@ namespace ibr {
 namespace {
 
 constexpr std::uint64_t kVersion = 2;  // of their making: raise it when they come out differently
-constexpr double kBytes = 200e6;       // that completing a depth and its mesh take
 
 // How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
 double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {
@@ -61,7 +60,7 @@ MadeCell BackdropMaker::make(std::uint32_t photograph) const {
   for (const std::size_t c : cells) hash.add(keys_[c]);
   addPoints(hash, points);
   const std::uint64_t key = hash.value();
-  if (auto kept = fetchCell(keptFolder(options_), key)) return {std::move(*kept), watch.seconds(), true, key};
+  if (auto kept = fetchCell(keptFolder(options_), key)) return {std::move(*kept), watch.seconds(), 0, true, key};
 
   Camera camera = photo.camera;
   const glm::ivec2 size = backdropSize(camera.intrinsics);
@@ -69,7 +68,7 @@ MadeCell BackdropMaker::make(std::uint32_t photograph) const {
   // What the cells show of it; where it is in no cell, what its tracks say.
   const ImageF depth = cells.empty() ? depthOfPoints(camera, points) : depthInScene(scene_, photograph, size);
   const Image8 colours = shrunk(loadPhotograph(photo), size.x, size.y);
-  MadeCell made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, false, key};
+  MadeCell made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, 0, false, key};
   storeCell(keptFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
   return made;
@@ -82,7 +81,7 @@ double BackdropMaker::bytes() const {
     const double depths = double(sizeof(float)) * size.x * size.y * double(cellsWith_[i].size());
     most = std::max(most, depths + bytesToLoad(input_.photographs[i]));
   }
-  return kBytes + most;
+  return kBackdropBytes + most;
 }
 
 }  // namespace ibr

@@ -11,6 +11,8 @@
 
 namespace ibr {
 
+inline constexpr double kBackdropBytes = 200e6;  // of memory that completing a depth and its mesh take
+
 class BackdropMaker {
  public:
   /// `keys`: what the scene's cells were kept under. All outlive the object and do not change.

@@ -11,15 +11,19 @@
 #include "author/border.h"
 #include "author/build_input.h"
 #include "author/build_jobs.h"
+#include "author/build_prediction.h"
 #include "author/cell_maker.h"
 #include "author/cells.h"
 #include "author/kept_file.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
+#include "author/picture_folder.h"
 #include "author/plane_labels.h"
 #include "author/read_poses.h"
+#include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
+#include "base/usage.h"
 #include "ibr/author.h"
 
 namespace ibr {
@@ -31,16 +35,20 @@ constexpr double kLeastCoverage = 0.05;
 class Builder {
  public:
   Builder(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log)
-      : options_(options), progress_(progress), log_(log), jobs_(options.threads, progress) {}
+      : options_(options), progress_(progress), log_(log), jobs_(options.threads, options.memory, progress) {}
 
   BuildReport run() {
     jobs_.step("reading the model", 0, 1);
     input_ = readInput(options_, log_);
     report_.poses = posesFile(options_);
     const SingleThreadedOpenCv quiet;
+    if (!predict()) return std::move(report_);
     storePhotographs();
+    const std::size_t known = input_.model.tracks.size();
     addOwnTracks(input_, options_, jobs_, log_);
-    planCells();
+    if (!planner_ || input_.model.tracks.size() != known) planCells();
+    report_.dropped = plan_.dropped;
+    warnOfEmptyPlan();
     describe();
     makeCells();
     if (options_.backdrops) makeBackdrops();
@@ -53,14 +61,35 @@ class Builder {
   }
 
  private:
+  // Whether to go on.
+  bool predict() {
+    if (!options_.predicted) return true;
+    const bool found = options_.tracks == TrackSource::own || input_.model.tracks.empty();  // later, of pinholes
+    if (!found || std::ranges::all_of(input_.photographs, isPanorama)) planCells();
+    report_.prediction = predictBuild(input_, options_, planner_ ? &plan_ : nullptr);
+    const bool wanted = options_.predicted(report_.prediction);
+    checkRoom(report_.prediction, options_, log_);
+    return wanted;
+  }
+
   void storePhotographs() {
     makeFolders(keptFolder(options_));
     input_.hashes.resize(input_.photographs.size());
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
+    std::vector<std::string> faults(input_.photographs.size());  // all are told at once
     jobs_.runAll("storing photographs", input_.photographs.size(), bytes, [&](std::size_t i) {
-      input_.hashes[i] = storePhotograph(input_.photographs[i], options_.output, options_.texture);
+      try {
+        input_.hashes[i] = storePhotograph(input_.photographs[i], options_.output, options_.texture);
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::invalidInput && error.code() != ErrorCode::unsupported) throw;
+        faults[i] = error.what();
+      }
     });
+    std::erase(faults, "");
+    check(faults.size() < 2, ErrorCode::invalidInput, "{} photographs cannot be read (--exclude leaves them out):\n{}",
+          faults.size(), fmt::join(faults, "\n"));
+    check(faults.empty(), ErrorCode::invalidInput, "{} (--exclude leaves it out)", fmt::join(faults, ""));
     for (const Photograph& photo : input_.photographs)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile});
   }
@@ -80,8 +109,6 @@ class Builder {
   void planCells() {
     planner_.emplace(input_.model, options_);
     plan_ = planner_->plan();
-    report_.dropped = plan_.dropped;
-    warnOfEmptyPlan();
   }
 
   void warnOfEmptyPlan() const {
@@ -100,7 +127,9 @@ class Builder {
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
       std::vector<MadeCell> made(wanted.size());
-      jobs_.runAll(stage, wanted.size(), maker.bytes(), [&](std::size_t c) { made[c] = maker.make(wanted[c]); });
+      double kept = 0;
+      for (const CellMembers& members : wanted) kept += bytesKept(maker.work(members)) / double(wanted.size());
+      jobs_.runAll(stage, wanted.size(), maker.bytes(), [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
       std::vector<CellMembers> failed;
       for (std::size_t c = 0; c < wanted.size(); ++c)
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
@@ -139,7 +168,8 @@ class Builder {
     }
     quality.score = planner_->score(members) * quality.coverage * std::max(quality.ecc, 0.0);
     report_.cells.push_back({namesOf(members), cell.mesh.pointCount(), cell.mesh.triangles.size(),
-                             cell.mesh.tier0Count(), quality, made.seconds, made.resumed, made.matcher,
+                             cell.mesh.tier0Count(), quality, made.seconds, made.processorSeconds,
+                             made.resumed, made.matcher,
                              homogeneousShare(cell.mesh)});
     scene_.cells.push_back(std::move(cell));
     keys_.push_back(made.key);
@@ -203,13 +233,25 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
   const Stopwatch watch;
   BuildOptions posed = options;
   checkOptions(options);
-  if (posesFile(options).empty())
+  if (const std::string unread = unreadText(lookInto(options.photographs).unread); log && !unread.empty())
+    log(LogLevel::warning, unread);
+  const double before = processorSeconds();
+  if (posesFile(options).empty()) {
+    if (options.predicted) {
+      const SingleThreadedOpenCv quiet;
+      BuildReport told;
+      told.prediction = predictWithoutPoses(options);
+      if (!options.predicted(told.prediction)) return told;
+    }
     posed.model = estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
                                  options.output / "images"},
                                 progress, log)
                       .model;
+  }
   BuildReport report = Builder(posed, progress, log).run();
   report.seconds = watch.seconds();
+  report.processorSeconds = processorSeconds() - before;
+  report.memory = peakMemory();
   return report;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/build_input.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <bit>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -8,6 +11,7 @@
 #include <string>
 
 #include "author/cells.h"
+#include "author/picture_folder.h"
 #include "author/posed_model.h"
 #include "author/read_poses.h"
 #include "base/check.h"
@@ -29,12 +33,39 @@ std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOpti
   const fs::path scene = fs::weakly_canonical(options.output) / "images";
   const fs::path photographs = fs::weakly_canonical(options.photographs);
   std::vector<UnusedPhotograph> unknown;
-  for (const std::string& name : listPictures(options.photographs)) {
+  const auto add = [&](const std::string& name, const std::string& reason) {
     const fs::path inScene = (photographs / name).lexically_relative(scene);
     if (!known.contains(name) && (inScene.empty() || *inScene.begin() == ".."))
-      unknown.push_back({utf8Of(name), "not registered: the model has no pose for it"});
-  }
+      unknown.push_back({utf8Of(name), reason});
+  };
+  const PictureFolder folder = lookInto(options.photographs);
+  for (const std::string& name : folder.pictures) add(name, "not registered: the model has no pose for it");
+  for (const auto& [name, reason] : folder.unread) add(name, reason);
+  std::ranges::sort(unknown, {}, &UnusedPhotograph::name);
   return unknown;
+}
+
+// Where a photograph's own shape does not say how it is turned, the others' do, if they agree.
+void settleOrientations(const PosedModel& model, const BuildOptions& options, std::vector<Photograph>& photographs,
+                        const LogCallback& log) {
+  if (options.orientation != Orientation::automatic) return;
+  std::vector<std::size_t> unsure;
+  bool turned = false;
+  for (std::size_t i = 0; i < photographs.size(); ++i) {
+    turned = turned || photographs[i].applyOrientation;
+    if (photographs[i].turnUnsure) unsure.push_back(i);
+  }
+  if (unsure.empty()) return;
+  if (turned)
+    for (const std::size_t i : unsure)
+      photographs[i] = findPhotograph(options.photographs, model.images[i], options.maxSize, Orientation::exif);
+  if (log)
+    log(LogLevel::warning,
+        fmt::format("{} of {} photographs are turned by EXIF, and their cameras fit both ways ({}{}): they are taken {}. "
+                    "If pictures come out turned: --orientation {}",
+                    unsure.size(), photographs.size(), photographs[unsure[0]].name, unsure.size() > 1 ? ", …" : "",
+                    turned ? "turned upright, as others of the set are" : "as they are stored, which is COLMAP's way",
+                    turned ? "stored" : "exif"));
 }
 
 // "a.tif" is stored as "a.tif.png".
@@ -69,7 +100,8 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
         posesFile(options).string());
   for (const PosedImage& image : input.model.images)
-    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
+    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
+  settleOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);
   input.tracksOf = tracksOfImages(input.model);
   input.refine = reprojectionError(input.model) > kExactPx;

@@ -3,8 +3,10 @@
 
 #include <opencv2/core/utility.hpp>
 
-#include "author/parallel.h"
+#include <algorithm>
+
 #include "base/check.h"
+#include "base/usage.h"
 
 namespace ibr {
 
@@ -17,8 +19,9 @@ void BuildJobs::step(std::string_view stage, std::size_t done, std::size_t total
 }
 
 void BuildJobs::runAll(std::string_view stage, std::size_t count, double bytesEach,
-                       const std::function<void(std::size_t)>& job) const {
-  const bool finished = runJobs(count, threadsFor(threads_, bytesEach), job,
+                       const std::function<void(std::size_t)>& job, double bytesKept) const {
+  const double left = memory_ - residentMemory() - bytesKept * double(count);
+  const bool finished = runJobs(count, threadsFor(threads_, bytesEach, std::max(left, 1.0)), job,
                                 [&](std::size_t done) { return wanted(stage, done, count); });
   check(finished, ErrorCode::cancelled, "the build was cancelled while {}; called again it goes on from there", stage);
 }

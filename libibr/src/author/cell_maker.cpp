@@ -2,17 +2,21 @@
 #include "author/cell_maker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/vec3.hpp>
 
 #include "author/cell_cache.h"
 #include "author/local_adjust.h"
 #include "author/matcher_choice.h"
+#include "author/mean_frame.h"
 #include "author/panorama_cell.h"
 #include "author/posed_model.h"
 #include "author/refine_full.h"
+#include "author/sweep_levels.h"
 #include "author/vertices.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
+#include "base/usage.h"
 
 namespace ibr {
 namespace {
@@ -46,30 +50,42 @@ std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<st
   return matched;
 }
 
-CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options,
-                        const std::vector<std::uint32_t>& members) {
-  std::vector<std::uint32_t> tracks, shared;
+struct SharedPoints {
+  std::vector<std::uint32_t> tracks;  // that two members see
+  std::vector<glm::dvec3> points;     // that all see; if they are few, those that two see
+};
+
+SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32_t>& members) {
+  std::vector<std::uint32_t> tracks;
   for (const std::uint32_t i : members)
     tracks.insert(tracks.end(), input.tracksOf[i].begin(), input.tracksOf[i].end());
   std::sort(tracks.begin(), tracks.end());
+  SharedPoints shared;
   std::vector<glm::dvec3> all, some;
   for (auto first = tracks.begin(); first != tracks.end();) {
     const auto last = std::upper_bound(first, tracks.end(), *first);
     const auto seen = std::size_t(last - first);
     if (seen >= 2) {
-      shared.push_back(*first);
+      shared.tracks.push_back(*first);
       some.push_back(input.model.tracks[*first].position);
     }
     if (seen == members.size()) all.push_back(input.model.tracks[*first].position);
     first = last;
   }
+  shared.points = all.size() >= kEnough ? std::move(all) : std::move(some);
+  return shared;
+}
+
+CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options,
+                        const std::vector<std::uint32_t>& members) {
+  SharedPoints shared = sharedPoints(input, members);
   CellPlanned planned;
-  planned.points = all.size() >= kEnough ? all : some;
+  planned.points = std::move(shared.points);
   planned.match.refine = input.refine;
   planned.match.seed = options.seed;
   if (isPanorama(input.photographs[members[0]])) return planned;
   planned.cameras = camerasToMatch(input, members);
-  const double error = cellReprojectionError(input.model, members, planned.cameras, shared);
+  const double error = cellReprojectionError(input.model, members, planned.cameras, shared.tracks);
   planned.match.matcher = chosenMatcher(options.matcher, error);
   planned.match.posesUsable = error <= kUsablePx;
   return planned;
@@ -135,12 +151,13 @@ MatchView viewOf(const Photograph& photograph, Image8* whole) {
 
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const Stopwatch watch;
+  const double before = threadSeconds();
   const CellPlanned planned = plannedCell(input_, options_, members);
   const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
   if (auto kept = fetchCell(keptFolder(options_), key))
-    return {std::move(*kept), watch.seconds(), true, key, planned.match.matcher};
-  MadeCell made{{}, 0, false, key, planned.match.matcher};
+    return {std::move(*kept), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
+  MadeCell made{{}, 0, 0, false, key, planned.match.matcher};
   try {
     made.cell = panoramic ? cellOfPanoramas(input_, members, planned.points)
                           : pinholeCell(input_, options_, members, planned);
@@ -152,7 +169,33 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   }
   storeCell(keptFolder(options_), key, made.cell);
   made.seconds = watch.seconds();
+  made.processorSeconds = threadSeconds() - before;
   return made;
+}
+
+CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
+  CellWork work{0, 1, members.size()};
+  std::vector<Camera> cameras, halves;
+  for (const std::uint32_t i : members) {
+    const Camera camera = matchedCamera(input_.photographs[i].camera);
+    work.readPixels += input_.photographs[i].sourcePixels;
+    const Intrinsics& k = camera.intrinsics;
+    work.pixels = std::max(work.pixels, double(k.width) * k.height);
+    cameras.push_back(camera);
+    if (!isPanorama(input_.photographs[i]))
+      halves.push_back({resized(k, std::max(k.width / 2, 1), std::max(k.height / 2, 1)), camera.pose});
+  }
+  if (halves.size() < members.size()) return work;
+  Camera frame = meanFrame(cameras);
+  const Intrinsics& k = frame.intrinsics;
+  work.pixels = double(k.width) * k.height;
+  std::vector<double> depths;
+  for (const glm::dvec3& point : sharedPoints(input_, members).points)
+    if (const double w = inverseDepth(frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
+  if (depths.empty()) return work;
+  frame.intrinsics = resized(k, std::max(k.width / 2, 1), std::max(k.height / 2, 1));
+  work.levels = sweepLevels(frame, halves, std::move(depths)).count();
+  return work;
 }
 
 double CellMaker::bytes() const {

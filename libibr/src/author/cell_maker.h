@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "author/build_cost.h"
 #include "author/build_input.h"
 #include "author/match.h"
 #include "author/mesh.h"
@@ -16,7 +17,7 @@ namespace ibr {
 
 struct MadeCell {
   CellMesh cell;
-  double seconds = 0;
+  double seconds = 0, processorSeconds = 0;
   bool resumed = false;   // was kept
   std::uint64_t key = 0;  // it is kept under
   MatchMethod matcher = MatchMethod::sweep;
@@ -34,6 +35,9 @@ class CellMaker {
   /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. With backdrops asked
   /// for, the members' own depths are kept as well (cell_cache.h). Throws Error.
   MadeCell make(const std::vector<std::uint32_t>& members) const;
+
+  /// What making one has to do. Of panoramas, and of cells whose points lie behind them, roughly.
+  CellWork work(const std::vector<std::uint32_t>& members) const;
 
   /// The memory that making one takes at most.
   double bytes() const;

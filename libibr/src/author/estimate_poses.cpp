@@ -8,7 +8,7 @@
 #include <fstream>
 #include <optional>
 
-#include "author/photographs.h"
+#include "author/picture_folder.h"
 #include "base/check.h"
 #include "base/child_process.h"
 #include "base/file.h"
@@ -81,7 +81,7 @@ class Estimator {
   PoseReport run() {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
-    names_ = listPictures(options_.photographs);
+    names_ = lookInto(options_.photographs).pictures;
     std::erase_if(names_,
                   [&](const std::string& name) { return isWithin(options_.photographs / name, options_.without); });
     check(names_.size() >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",

@@ -55,7 +55,7 @@ class Harmoniser {
 
  public:
   Harmoniser(std::span<const HtmPhotograph> photographs, const HtmOptions& options, const ProgressCallback& progress)
-      : options_(options), progress_(progress), jobs_(options.threads, progress) {
+      : options_(options), progress_(progress), jobs_(options.threads, 0, progress) {
     for (const HtmPhotograph& p : photographs) views_.push_back({p.camera.camera, p.picture, p.mask});
   }
 

@@ -5,7 +5,6 @@
 
 #include "author/cell_maker.h"
 #include "author/posed_model.h"
-#include "author/tracks.h"
 
 namespace ibr {
 namespace {
@@ -19,16 +18,22 @@ const char* trackSourceName(TrackSource source) {
   return source == TrackSource::automatic ? "auto" : source == TrackSource::model ? "model" : "own";
 }
 
+std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource source) {
+  if (source == TrackSource::model) return {};
+  if (source == TrackSource::own) return pairsWithoutTracks({model.images, {}}, {});
+  PairOptions wanted;
+  // Of a model with tracks, those that are far from each other and share few have been tried.
+  if (!model.tracks.empty()) wanted.neighbours = 5;
+  return pairsWithoutTracks(model, wanted);
+}
+
 void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
   if (options.tracks == TrackSource::model) return;
   if (options.tracks == TrackSource::own) {
     input.model.tracks.clear();
     input.tracksOf = tracksOfImages(input.model);
   }
-  PairOptions wanted;
-  // Of a model with tracks, those that are far from each other and share few have been tried.
-  if (!input.model.tracks.empty()) wanted.neighbours = 5;
-  const std::vector<ImagePair> pairs = pairsWithoutTracks(input.model, wanted);
+  const std::vector<ImagePair> pairs = pairsForTracks(input.model, options.tracks);
   if (pairs.empty()) return;
   OwnTracksInput own;
   own.keep = keptFolder(options);

@@ -4,10 +4,14 @@
 
 #include "author/build_input.h"
 #include "author/build_jobs.h"
+#include "author/tracks.h"
 
 namespace ibr {
 
 const char* trackSourceName(TrackSource source);
+
+/// Pairs of photographs for which tracks of our own are wanted.
+std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource source);
 
 /// Finds tracks for pairs of photographs that lack them. Precondition: the photographs are stored. Throws Error (io, cancelled).
 void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log);

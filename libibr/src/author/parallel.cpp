@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/parallel.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -11,6 +9,8 @@
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "base/usage.h"
 
 namespace ibr {
 
@@ -67,11 +67,15 @@ bool runJobs(std::size_t count, int threads, const std::function<void(std::size_
   return wanted;
 }
 
-int threadsFor(int wanted, double bytesEach) {
-  constexpr double kMemoryShare = 0.5;  // of the machine's, that all jobs together may take
+int threadsFor(int wanted, double bytesEach, double memory) {
   const int most = wanted > 0 ? wanted : std::max(1, int(std::thread::hardware_concurrency()));
-  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-  return int(std::clamp(kMemoryShare * memory / std::max(bytesEach, 1.0), 1.0, double(most)));
+  const double held = memory > 0 ? memory : memoryBudget(0);
+  return int(std::clamp(held / std::max(bytesEach, 1.0), 1.0, double(most)));
+}
+
+double memoryBudget(double wanted) {
+  constexpr double kShare = 0.5;  // the rest is left to other programs, and to the system for files
+  return wanted > 0 ? wanted : kShare * memoryLimit();
 }
 
 }  // namespace ibr

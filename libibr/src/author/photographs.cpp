@@ -18,6 +18,7 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::uint64_t kReadingVersion = 2;  // of files: raise it when pictures come out of them differently
 constexpr double kBytesPerPixel = 14;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
 
 std::string lowerExtension(const fs::path& path) {
@@ -49,7 +50,8 @@ bool isJpeg(const fs::path& path) {
   return lowerExtension(path) == ".jpg" || lowerExtension(path) == ".jpeg";
 }
 
-Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize) {
+Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize,
+                          Orientation orientation) {
   Photograph photo;
   photo.name = image.name;
   photo.source = pathInside(folder, image.name);
@@ -59,10 +61,12 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const Size camera = image.lens ? Size{image.lens->width(), image.lens->height()} : Size{k.width, k.height};
   int width = info.width, height = info.height;
   photo.sourcePixels = double(width) * height;
-  if (!sameShape(width, height, camera) && info.orientation >= 5 && sameShape(height, width, camera)) {
-    photo.applyOrientation = true;
-    std::swap(width, height);
-  }
+  const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);
+  const bool turnedFits = swaps ? sameShape(height, width, camera) : storedFits;
+  photo.turnUnsure = info.orientation != 1 && storedFits && turnedFits;
+  photo.applyOrientation = orientation == Orientation::automatic ? !storedFits && turnedFits
+                                                                 : orientation == Orientation::exif && info.orientation != 1;
+  if (photo.applyOrientation && swaps) std::swap(width, height);
   check(sameShape(width, height, camera), ErrorCode::invalidInput,
         "{}: {}x{} px, but the model's camera has {}x{}, of other proportions", photo.source.string(), width, height,
         camera.width, camera.height);
@@ -136,23 +140,10 @@ std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, Te
   makeFolders(texture.parent_path());
   writeKtx2(texture, encodeTexture(buildMips(picture), format));
   Hash hash;
+  hash.add(kReadingVersion);
   hash.add(source);
   if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // says what the lens is, too
   return hash.value();
-}
-
-std::vector<std::string> listPictures(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    const std::string extension = lowerExtension(entry.path());
-    std::error_code ignored;  // of links that lead nowhere
-    if (!entry.is_regular_file(ignored) ||
-        !(isJpeg(entry.path()) || isPng(entry.path()) || extension == ".tif" || extension == ".tiff"))
-      continue;
-    names.push_back(entry.path().lexically_relative(folder).generic_string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 }  // namespace ibr

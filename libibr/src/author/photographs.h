@@ -20,6 +20,7 @@ struct Photograph {
   std::string name;
   std::filesystem::path source;
   bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
+  bool turnUnsure = false;  // EXIF says that it is turned, and the camera fits both ways
   double sourcePixels = 0;
   std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
   bool copied = false;                           // stored byte by byte
@@ -34,9 +35,10 @@ inline constexpr int kJpegQuality = 95;  // of what is stored anew
 bool isJpeg(const std::filesystem::path& path);
 
 /// Finds the file of a model's image and plans how it is stored: freed of its lens's distortion, at most `maxSize` px
-/// along its longest side (0: as it is). Throws Error (io, invalidInput) that names the file where it is missing,
+/// along its longest side (0: as it is), turned as asked, automatically where the shape says so for certain. Throws Error (io, invalidInput) that names the file where it is missing,
 /// unreadable, or has neither the camera's size nor a uniform scale of it.
-Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize);
+Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize,
+                          Orientation orientation = Orientation::automatic);
 
 /// The picture as it is stored (RGB), from its source.
 Image8 loadPhotograph(const Photograph& photograph);
@@ -62,8 +64,5 @@ Image8 storePicture(const Photograph& photograph, const std::filesystem::path& f
 /// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of
 /// what is undistorted.
 std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
-
-/// Pictures below `folder`, by name relative to it (with '/'), sorted.
-std::vector<std::string> listPictures(const std::filesystem::path& folder);
 
 }  // namespace ibr

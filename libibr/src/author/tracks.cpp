@@ -26,7 +26,6 @@ namespace {
 constexpr std::uint64_t kFeaturesVersion = 1;  // raise it when features come out differently
 constexpr std::uint64_t kMatchesVersion = 1;   // … and when matches do
 constexpr int kFeatures = 20000;               // of a photograph
-constexpr double kFeatureBytesPerPixel = 300;  // that finding them takes
 constexpr double kResidualPx = 2.0;           // of an observation
 
 glm::dvec3 rayOf(const Camera& camera, glm::dvec2 pixel) {

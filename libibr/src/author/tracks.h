@@ -39,7 +39,8 @@ std::vector<ImagePair> pairsWithoutTracks(const PosedModel& model, const PairOpt
 /// The world point that rays see best: least squares in px. nullopt where it is behind one of them or at infinity.
 std::optional<glm::dvec3> triangulate(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels);
 
-inline constexpr double kFeaturePixels = 2e6;  // features are looked for in no more than this
+inline constexpr double kFeaturePixels = 2e6;         // features are looked for in no more than this
+inline constexpr double kFeatureBytesPerPixel = 300;  // of memory that finding them takes
 
 struct OwnTracksInput {
   std::function<MatchView(std::size_t)> view;  // a photograph at the size that features are looked for at; thread-safe

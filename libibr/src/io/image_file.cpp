@@ -75,8 +75,8 @@ Format formatOf(Bytes file, const std::string& name) {
   const auto format = formatThatBegins(file);
   check(!file.empty(), ErrorCode::invalidInput, "{}: is empty", name);
   const char* const foreign = foreignFormat(file);
-  check(format.has_value() || !*foreign, ErrorCode::unsupported, "{}: is a {} file, which is not read; convert it to JPEG",
-        name, foreign);
+  check(format.has_value() || !*foreign, ErrorCode::unsupported,
+        "{}: is a {} file, which is not read; convert it to JPEG", name, foreign);
   check(format.has_value(), ErrorCode::invalidInput, "{}: is not a JPEG, PNG or TIFF file", name);
   return *format;
 }

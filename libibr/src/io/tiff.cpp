@@ -173,7 +173,8 @@ Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, I
   info = decoder.info();
   checkSize(info, limits, name);
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
-  check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels, kCmykAdvice);
+  check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels,
+        kCmykAdvice);
   // Raw files of cameras begin with a small picture to look at.
   std::uint32_t subfile = 0;
   TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // build() from files to files, on a small synthetic set.
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -12,6 +10,7 @@
 #include "author/cell_cache.h"
 #include "author/parallel.h"
 #include "base/file.h"
+#include "base/usage.h"
 #include "ibr/author.h"
 #include "ibr/error.h"
 #include "image/ktx2.h"
@@ -533,8 +532,13 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
 }
 
-TEST_CASE("jobs run on no more threads than half of the memory holds, and on one") {
-  const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
+TEST_CASE("jobs run on no more threads than half of the memory holds, or that which is given, and on one") {
+  const double memory = memoryLimit();
+  CHECK(memoryBudget(0) == memory / 2);
+  CHECK(memoryBudget(7e9) == 7e9);
+  CHECK(threadsFor(64, 1e9, 8.5e9) == 8);
+  CHECK(threadsFor(2, 1e9, 8.5e9) == 2);
+  CHECK(threadsFor(64, 1e9, 1) == 1);
   CHECK(threadsFor(64, 1) == 64);
   CHECK(threadsFor(64, 0) == 64);
   CHECK(threadsFor(64, memory / 21) == 10);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build_cost.h"
+
+#include <algorithm>
+
+namespace ibr {
+namespace {
+
+// Processor time of the machine that they were measured on, ns a pixel, and s.
+constexpr double kRead = 10, kEncode = 18;
+constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
+constexpr double kFeatures = 450, kPair = 0.005;
+constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
+constexpr double kBackdrop = 130;
+
+double perPixel(TextureFormat format) {
+  return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
+}
+
+double cellSeconds(const CellWork& cell) {
+  const double m = double(cell.members);
+  return 1e-9 * (kRead * cell.readPixels +
+                 cell.pixels * (kOnce + kMember * m + cell.levels * (kLevel + kLevelMember * m)));
+}
+
+}  // namespace
+
+std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
+                              const MachineSpeed& speed) {
+  std::vector<StageCost> stages;
+  // `longest`: a job that cannot be shared out.
+  const auto add = [&](const char* stage, double seconds, int side, double longest) {
+    if (seconds <= 0) return;
+    stages.push_back({stage, seconds * speed.processor, speed.passing * std::max(seconds / side, longest)});
+  };
+  const double photographs = double(std::max<std::size_t>(work.photographs, 1));
+  const double storing = 1e-9 * (kRead * work.readPixels + perPixel(texture) * work.storedPixels +
+                                 kEncode * work.encodedPixels);
+  add("storing photographs", storing, threads.storing, storing / photographs);
+  add("finding features", 1e-9 * kFeatures * work.featurePixels, threads.features, 0);
+  add("matching features", kPair * double(work.pairs), threads.features, 0);
+  double cells = 0, longest = 0;
+  for (const CellWork& cell : work.cells) {
+    cells += cellSeconds(cell);
+    longest = std::max(longest, cellSeconds(cell));
+  }
+  add("matching cells", cells, threads.cells, longest);
+  const double backdrops = double(work.backdrops) > 0
+                               ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels)
+                               : 0;
+  add("completing backdrops", backdrops, threads.backdrops, backdrops / std::max(double(work.backdrops), 1.0));
+  return stages;
+}
+
+double bytesKept(const CellWork& cell) {
+  constexpr double kBytesPerPixel = 2;
+  return kBytesPerPixel * cell.pixels;
+}
+
+}  // namespace ibr

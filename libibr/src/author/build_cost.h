@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a build will take, before it begins: a model of its stages' costs, whose constants were measured on one machine,
+// times how fast this one does a little of the same work right now (machine_speed.h).
+//
+// Matching a cell is by far the most of it. Of its frame of P px, swept over L levels at a quarter of the pixels, with m
+// members: P·(a + b·m) for what is done once a pixel, P·L·(c + d·m) for the sweep and the semi-global paths.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "ibr/author.h"
+
+namespace ibr {
+
+/// Of one cell.
+struct CellWork {
+  double pixels = 0;  // of the frame in which it is matched
+  double levels = 0;  // of the sweep
+  std::size_t members = 0;
+  double readPixels = 0;  // of the members' files
+};
+
+/// All that a build has to do. Pixels are summed over photographs.
+struct BuildWork {
+  std::size_t photographs = 0;
+  double readPixels = 0;      // of the files
+  double storedPixels = 0;    // of which textures are made
+  double encodedPixels = 0;   // of pictures that are written anew, not copied
+  double featurePixels = 0;   // in which features are looked for
+  std::size_t pairs = 0;      // whose features are matched
+  std::vector<CellWork> cells;
+  std::size_t backdrops = 0;
+  double backdropPixels = 0;  // at the backdrops' size
+};
+
+/// How much longer than the machine of the constants this one takes for the same work: of one thread's processor time,
+/// and of the time that passes, while `threads` do it side by side.
+struct MachineSpeed {
+  double processor = 1, passing = 1;
+};
+
+struct StageCost {
+  const char* stage;
+  double processorSeconds;  // of all threads
+  double seconds;
+};
+
+/// The stages of a build in their order, those without work left out. `threads`: as many as run jobs side by side in
+/// the stage of storing, of features, of cells, of backdrops.
+struct StageThreads {
+  int storing = 1, features = 1, cells = 1, backdrops = 1;
+};
+std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
+                              const MachineSpeed& speed);
+
+/// Bytes of memory that the meshes of finished cells take, about, and of the disk.
+double bytesKept(const CellWork& cell);
+
+}  // namespace ibr

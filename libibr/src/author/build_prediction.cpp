@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build_prediction.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "author/backdrop.h"
+#include "author/backdrop_maker.h"
+#include "author/build_cost.h"
+#include "author/cell_maker.h"
+#include "author/machine_speed.h"
+#include "author/own_tracks.h"
+#include "author/parallel.h"
+#include "author/picture_folder.h"
+#include "author/posed_model.h"
+#include "base/check.h"
+#include "base/usage.h"
+#include "io/image_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kTypicalLevels = 100, kTypicalMembers = 3;  // of cells that are not planned yet
+constexpr double kPngBytes = 2, kJpegBytes = 0.8;            // of a pixel of a picture that is written anew
+constexpr double kFeatureBytes = 3e6;                        // of a photograph's features, kept while it is built
+constexpr double kProgram = 60e6;                            // of memory, whatever the work
+
+double pixelsOf(const Intrinsics& k) {
+  return double(k.width) * k.height;
+}
+
+double textureBytesOf(TextureFormat format, const Intrinsics& k) {
+  double bytes = 0;
+  for (int w = k.width, h = k.height;; w = std::max(w / 2, 1), h = std::max(h / 2, 1)) {
+    bytes += double(textureBytes(format, w, h));
+    if (w == 1 && h == 1) return bytes;
+  }
+}
+
+double freeBelow(fs::path folder) {
+  std::error_code error;
+  folder = fs::absolute(folder, error);
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info space = fs::space(folder, error);
+  return error ? 0 : double(space.available);
+}
+
+class Predictor {
+ public:
+  Predictor(const BuildInput& input, const BuildOptions& options, const CellPlan* plan)
+      : input_(input), options_(options), plan_(plan), maker_(input, options) {}
+
+  BuildPrediction predict() {
+    countPhotographs();
+    countTracks();
+    countCells();
+    work_.photographs = made_.photographs = input_.photographs.size();
+    made_.memoryAllowed = memoryBudget(options_.memory);
+    made_.diskFree = freeBelow(options_.output);
+    shareOut();
+    return std::move(made_);
+  }
+
+ private:
+  void countPhotographs() {
+    for (const Photograph& photo : input_.photographs) {
+      const Intrinsics& k = photo.camera.intrinsics;
+      work_.readPixels += photo.sourcePixels;
+      work_.storedPixels += pixelsOf(k);
+      std::error_code ignored;
+      const double file = double(fs::file_size(photo.source, ignored));
+      made_.disk += textureBytesOf(options_.texture, k);
+      if (!photo.copied) work_.encodedPixels += pixelsOf(k);
+      made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
+      storing_ = std::max(storing_, bytesToStore(photo));
+      loading_ = std::max(loading_, bytesToLoad(photo));
+      if (!options_.backdrops || isPanorama(photo)) continue;
+      const glm::ivec2 size = backdropSize(k);
+      ++work_.backdrops;
+      work_.backdropPixels += double(size.x) * size.y;
+    }
+    made_.megapixels = work_.storedPixels / 1e6;
+    made_.backdrops = work_.backdrops;
+  }
+
+  void countTracks() {
+    if (options_.tracks == TrackSource::model) return;
+    const auto pairs = pairsForTracks(input_.model, options_.tracks);
+    work_.pairs = pairs.size();
+    std::set<std::uint32_t> images;
+    for (const auto& [a, b] : pairs) images.insert({a, b});
+    for (const std::uint32_t i : images)
+      work_.featurePixels += pixelsOf(matchedCamera(input_.photographs[i].camera).intrinsics);
+    made_.disk += kFeatureBytes * double(images.size());
+  }
+
+  void countCells() {
+    made_.cellsKnown = plan_ != nullptr;
+    if (plan_) {
+      for (const CellMembers& members : plan_->cells) work_.cells.push_back(maker_.work(members));
+    } else {
+      for (const Photograph& photo : input_.photographs)
+        work_.cells.push_back({pixelsOf(matchedCamera(photo.camera).intrinsics), kTypicalLevels,
+                               std::size_t(kTypicalMembers), kTypicalMembers * photo.sourcePixels});
+    }
+    made_.cells = work_.cells.size();
+    for (const CellWork& cell : work_.cells) kept_ += bytesKept(cell);
+    for (const Photograph& photo : input_.photographs) {
+      const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+      if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
+    }
+    made_.disk += 2 * kept_;  // in the scene, and in what is kept until it is whole
+  }
+
+  void shareOut() {
+    const double held = kProgram + residentMemory(), allowed = made_.memoryAllowed;
+    double most = 0;
+    const auto threads = [&](double bytesEach, double kept, std::size_t jobs) {
+      const int side = std::min(threadsFor(options_.threads, bytesEach, std::max(allowed - held - kept, 1.0)),
+                                int(std::max<std::size_t>(jobs, 1)));
+      most = std::max(most, held + kept + side * bytesEach);
+      return side;
+    };
+    const std::size_t photographs = input_.photographs.size();
+    StageThreads side;
+    side.storing = threads(storing_, 0, photographs);
+    side.features = work_.pairs > 0 ? threads(loading_ + kFeatureBytesPerPixel * kFeaturePixels, 0, photographs) : 1;
+    side.cells = threads(maker_.bytes(), kept_, std::max<std::size_t>(work_.cells.size(), 1));
+    if (work_.backdrops > 0) side.backdrops = threads(kBackdropBytes + loading_, kept_, work_.backdrops);
+    made_.threads = side.cells;
+    made_.memory = most;
+    const MachineSpeed speed = measureSpeed(side.cells);
+    for (const StageCost& cost : costOf(work_, side, options_.texture, speed)) {
+      made_.stages.push_back({cost.stage, cost.seconds, cost.processorSeconds});
+      made_.seconds += cost.seconds;
+      made_.processorSeconds += cost.processorSeconds;
+    }
+  }
+
+  const BuildInput& input_;
+  const BuildOptions& options_;
+  const CellPlan* const plan_;
+  const CellMaker maker_;
+  BuildWork work_;
+  double storing_ = 0, loading_ = 0;  // bytes of memory of one photograph, at most
+  double kept_ = 0;                   // bytes of all meshes
+  BuildPrediction made_;
+};
+
+}  // namespace
+
+BuildPrediction predictBuild(const BuildInput& input, const BuildOptions& options, const CellPlan* plan) {
+  return Predictor(input, options, plan).predict();
+}
+
+BuildPrediction predictWithoutPoses(const BuildOptions& options) {
+  BuildInput input;
+  for (const std::string& name : lookInto(options.photographs).pictures) {
+    ImageFileInfo info;
+    try {
+      info = probeImage(options.photographs / name);
+    } catch (const Error&) {  // is told where poses are estimated
+      continue;
+    }
+    const bool turned = info.orientation >= 5;
+    PosedImage image{name, {pinholeFromFov(turned ? info.height : info.width, turned ? info.width : info.height, 1), {}}};
+    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
+    input.model.images.push_back(std::move(image));
+  }
+  BuildPrediction prediction = predictBuild(input, options, nullptr);
+  prediction.posesKnown = false;
+  return prediction;
+}
+
+void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log) {
+  const auto gigabytes = [](double bytes) { return fmt::format("{:.1f} GB", bytes / 1e9); };
+  check(prediction.diskFree <= 0 || prediction.disk <= 1.5 * prediction.diskFree, ErrorCode::io,
+        "{}: the scene takes about {} of the disk, which has {} left. --texture bc7 takes a quarter for textures, "
+        "--max-size makes photographs smaller",
+        options.output.string(), gigabytes(prediction.disk), gigabytes(prediction.diskFree));
+  if (!log) return;
+  if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
+    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, {} are left",
+                                       gigabytes(prediction.disk), gigabytes(prediction.diskFree)));
+  if (prediction.memory > prediction.memoryAllowed)
+    log(LogLevel::warning,
+        fmt::format("up to {} of memory are needed even one job at a time, more than the {} that are allowed: "
+                    "--max-size makes photographs smaller, --memory allows more",
+                    gigabytes(prediction.memory), gigabytes(prediction.memoryAllowed)));
+}
+
+}  // namespace ibr

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/usage.h"
+
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "base/parse.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+std::string textOf(const fs::path& file) {  // of /proc and /sys, whose files have no size
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::optional<double> firstNumber(std::string_view text) {
+  const auto value = parseInt(text.substr(0, text.find_first_of(" \n")));
+  return value && *value >= 0 ? std::optional(double(*value)) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view membership) {
+  std::optional<double> least;
+  while (!membership.empty()) {
+    const std::string_view line = membership.substr(0, membership.find('\n'));
+    membership.remove_prefix(std::min(membership.size(), line.size() + 1));
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == line.npos) continue;
+    const std::string_view controllers = line.substr(first + 1, second - first - 1);
+    const bool memory = ("," + std::string(controllers) + ",").find(",memory,") != std::string::npos;
+    if (!controllers.empty() && !memory) continue;
+    const fs::path top = memory ? root / "memory" : root;
+    const char* const file = memory ? "memory.limit_in_bytes" : "memory.max";
+    // A group is limited by those above it, too. Inside of a container the root stands for the group itself.
+    fs::path group = fs::path(line.substr(second + 1)).relative_path();
+    for (bool last = false; !last; group = group.parent_path()) {
+      last = group.empty();
+      if (const auto limit = firstNumber(textOf(top / group / file)); limit && (!least || *limit < *least)) least = limit;
+    }
+  }
+  return least;
+}
+
+double memoryLimit() {
+  double limit = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
+  if (const auto group = groupMemoryLimit("/sys/fs/cgroup", textOf("/proc/self/cgroup"))) limit = std::min(limit, *group);
+  rlimit space{};
+  if (::getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+    limit = std::min(limit, double(space.rlim_cur));
+  return limit;
+}
+
+double residentMemory() {
+  const std::string pages = textOf("/proc/self/statm");  // of the program's size, then resident
+  const std::size_t at = pages.find(' ');
+  if (at == pages.npos) return 0;
+  return firstNumber(std::string_view(pages).substr(at + 1)).value_or(0) * double(::sysconf(_SC_PAGE_SIZE));
+}
+
+double peakMemory() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * double(usage.ru_maxrss);
+}
+
+double processorSeconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double threadSeconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+}  // namespace ibr

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build_prediction.h"
+
+#include <catch2/catch.hpp>
+
+#include "author/build_cost.h"
+#include "ibr/author.h"
+#include "io/image_file.h"
+#include "scene/court.h"
+#include "support/error_of.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Matchers::Contains;
+
+namespace {
+
+BuildWork someWork(std::size_t count) {
+  BuildWork work;
+  work.photographs = count;
+  work.readPixels = work.storedPixels = 1e6 * double(count);
+  work.cells.assign(count, {1e6, 100, 3});
+  work.backdrops = count;
+  work.backdropPixels = 2e5 * double(count);
+  return work;
+}
+
+double secondsOf(const std::vector<StageCost>& stages, bool processor = false) {
+  double sum = 0;
+  for (const StageCost& stage : stages) sum += processor ? stage.processorSeconds : stage.seconds;
+  return sum;
+}
+
+struct CourtSet {
+  explicit CourtSet(int count) {
+    const Court court = makeCourt(count, 96, 72, 1);
+    PosedModel model;
+    fs::create_directories(folder / "photos");
+    for (std::size_t i = 0; i < court.cameras.size(); ++i) {
+      const std::string name = "photo" + std::to_string(10 + i) + ".jpg";
+      model.images.push_back({name, court.cameras[i]});
+      writeImage(folder / "photos" / name, photograph(court, court.cameras[i], 1));
+    }
+    for (const CourtTrack& track : tracksOf(court, 1)) {
+      Track& added = model.tracks.emplace_back(Track{track.position, {}});
+      for (const auto& [camera, pixel] : track.seen) added.observations.push_back({camera, pixel});
+    }
+    writeColmapModel(model, folder / "model");
+    options.photographs = folder / "photos";
+    options.model = folder / "model";
+    options.output = folder / "scene";
+    options.tracks = TrackSource::model;
+  }
+  test::TemporaryFolder folder;
+  BuildOptions options;
+};
+
+}  // namespace
+
+TEST_CASE("costs grow with the work, and shrink with threads down to the longest job") {
+  const StageThreads one, four{4, 4, 4, 4};
+  const double once = secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {}));
+  CHECK(secondsOf(costOf(someWork(16), one, TextureFormat::rgba8, {})) == Approx(2 * once));
+  CHECK(secondsOf(costOf(someWork(8), four, TextureFormat::rgba8, {})) == Approx(once / 4));
+  CHECK(secondsOf(costOf(someWork(1), four, TextureFormat::rgba8, {})) == Approx(once / 8));
+  CHECK(secondsOf(costOf(someWork(8), four, TextureFormat::rgba8, {}), true) == Approx(once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {2, 3})) == Approx(3 * once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {2, 3}), true) == Approx(2 * once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::bc7, {})) > once);
+  BuildWork deep = someWork(8), full = someWork(8);
+  for (CellWork& cell : deep.cells) cell.levels = 200;
+  for (CellWork& cell : full.cells) cell.members = 4;
+  CHECK(secondsOf(costOf(deep, one, TextureFormat::rgba8, {})) > 1.2 * once);
+  CHECK(secondsOf(costOf(full, one, TextureFormat::rgba8, {})) > once);
+  CHECK(costOf({}, four, TextureFormat::rgba8, {}).empty());
+}
+
+TEST_CASE("what a build will take is told before it begins, and a dry run makes nothing") {
+  const CourtSet set(8);
+  BuildOptions options = set.options;
+  int told = 0;
+  BuildPrediction prediction;
+  options.predicted = [&](const BuildPrediction& p) {
+    ++told;
+    prediction = p;
+    CHECK(!fs::exists(options.output));
+    return false;
+  };
+  CHECK(build(options).cells.empty());
+  CHECK(!fs::exists(options.output));
+  REQUIRE(told == 1);
+  CHECK(prediction.photographs == 8);
+  CHECK(prediction.backdrops == 8);
+  CHECK(prediction.posesKnown);
+  CHECK(prediction.cellsKnown);
+  CHECK(prediction.megapixels == Approx(8 * 96 * 72 / 1e6));
+  CHECK(prediction.seconds > 0);
+  double sum = 0;
+  for (const auto& stage : prediction.stages) sum += stage.seconds;
+  CHECK(sum == Approx(prediction.seconds));
+
+  options.predicted = [](const BuildPrediction&) { return true; };
+  const BuildReport report = build(options);
+  CHECK(report.cells.size() + report.dropped.size() >= prediction.cells);
+  CHECK(report.prediction.cells == prediction.cells);
+  double bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(options.output))
+    if (entry.is_regular_file()) bytes += double(entry.file_size());
+  CHECK(bytes < prediction.disk);
+  CHECK(bytes > 0.3 * prediction.disk);
+  CHECK(report.processorSeconds > 0);
+  CHECK(report.memory > 1e6);
+}
+
+TEST_CASE("less memory means fewer threads, never more memory") {
+  const CourtSet set(6);
+  BuildOptions options = set.options;
+  options.threads = 8;
+  const auto predicted = [&](double memory) {
+    BuildPrediction prediction;
+    options.memory = memory;
+    options.predicted = [&](const BuildPrediction& p) {
+      prediction = p;
+      return false;
+    };
+    build(options);
+    return prediction;
+  };
+  const BuildPrediction much = predicted(64e9), less = predicted(0.6 * much.memory), least = predicted(1e6);
+  CHECK(much.threads > 1);
+  CHECK(less.memory <= 0.6 * much.memory);
+  CHECK(less.threads < 8);
+  CHECK(least.threads == 1);
+  CHECK(least.memory > least.memoryAllowed);
+}
+
+TEST_CASE("without poses the files alone say what is known") {
+  const CourtSet set(5);
+  BuildOptions options = set.options;
+  options.model.clear();
+  options.colmap = "no such program";
+  bool told = false;
+  options.predicted = [&](const BuildPrediction& p) {
+    told = true;
+    CHECK(!p.posesKnown);
+    CHECK(!p.cellsKnown);
+    CHECK(p.photographs == 5);
+    return false;
+  };
+  build(options);
+  CHECK(told);
+  CHECK(!fs::exists(options.output));
+}
+
+TEST_CASE("a disk that is too full is told before anything is written") {
+  BuildPrediction prediction;
+  BuildOptions options;
+  options.output = "scene";
+  prediction.disk = 2e9;
+  prediction.diskFree = 1e9;
+  const Error error = test::errorOf([&] { checkRoom(prediction, options, {}); });
+  CHECK(error.code() == ErrorCode::io);
+  CHECK_THAT(error.what(), Contains("2.0 GB") && Contains("1.0 GB") && Contains("--texture bc7"));
+  std::string said;
+  const LogCallback log = [&](LogLevel, std::string_view text) { said += text; };
+  prediction.disk = 1.1e9;
+  checkRoom(prediction, options, log);
+  CHECK_THAT(said, Contains("disk"));
+  said.clear();
+  prediction.disk = 0.5e9;
+  checkRoom(prediction, options, log);
+  CHECK(said.empty());
+  prediction.memory = 3e9;
+  prediction.memoryAllowed = 2e9;
+  checkRoom(prediction, options, log);
+  CHECK_THAT(said, Contains("3.0 GB") && Contains("--memory"));
+}

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies in folders of photographs: every orientation, sizes that differ, files that cannot be read.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <glm/vec2.hpp>
+
+#include "author/build_input.h"
+#include "author/photographs.h"
+#include "author/picture_folder.h"
+#include "base/file.h"
+#include "ibr/author.h"
+#include "io/image_file.h"
+#include "scene/court.h"
+#include "support/error_of.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Matchers::Contains;
+
+namespace {
+
+void writeText(const fs::path& file, std::string_view text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+// The picture as a camera stores it that writes this orientation: EXIF 2.32 §4.6.5, table of where row 0 and column 0 are.
+Image8 storedAs(int orientation, const Image8& upright) {
+  const int w = upright.width, h = upright.height;
+  Image8 stored(orientation < 5 ? w : h, orientation < 5 ? h : w, 3);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const int r = w - 1 - x, b = h - 1 - y;  // from the right, from the bottom
+      const glm::ivec2 at[] = {{}, {x, y}, {r, y}, {r, b}, {x, b}, {y, x}, {y, r}, {b, r}, {b, x}};
+      const glm::ivec2 to = at[orientation];
+      std::ranges::copy(upright.pixel(x, y), stored.pixel(to.x, to.y).begin());
+    }
+  return stored;
+}
+
+// JPEG of best quality with this EXIF orientation.
+void writeTurned(const fs::path& file, const Image8& stored, int orientation) {
+  fs::create_directories(file.parent_path());
+  writeImage(file, stored, 100);
+  std::string bytes = readTextFile(file);
+  const char exif[] = {'\xff', '\xe1', 0,  34, 'E', 'x', 'i', 'f', 0, 0,   'I', 'I', 42, 0, 8, 0, 0, 0,
+                       1,      0,      18, 1,  3,   0,   1,   0,   0, 0, char(orientation), 0, 0, 0, 0, 0, 0, 0};
+  bytes.insert(2, std::string(exif, sizeof exif));
+  writeText(file, bytes);
+}
+
+double meanDifference(const Image8& a, const Image8& b) {
+  REQUIRE((a.width == b.width && a.height == b.height));
+  double sum = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) sum += std::abs(int(a.values[i]) - int(b.values[i]));
+  return sum / double(a.values.size());
+}
+
+Image8 ramp(int width, int height) {
+  Image8 picture(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      picture.pixel(x, y)[0] = std::uint8_t(240 * x / width);
+      picture.pixel(x, y)[1] = std::uint8_t(240 * y / height);
+      picture.pixel(x, y)[2] = 60;
+    }
+  return picture;
+}
+
+PosedImage posed(const std::string& name, int width, int height) {
+  return {name, {pinholeFromFov(width, height, 1), {}}};
+}
+
+}  // namespace
+
+TEST_CASE("each orientation fits a model of the upright pictures and one of those as stored") {
+  const test::TemporaryFolder folder;
+  for (const glm::ivec2 size : {glm::ivec2(48, 32), {32, 48}, {40, 40}})
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      const Image8 upright = ramp(size.x, size.y), stored = storedAs(orientation, upright);
+      writeTurned(folder / "a.jpg", stored, orientation);
+      INFO(size.x << "x" << size.y << ", orientation " << orientation);
+      const PosedImage modelOfUpright = posed("a.jpg", size.x, size.y);
+      const PosedImage modelOfStored = posed("a.jpg", stored.width, stored.height);
+      const auto load = [&](const PosedImage& image, Orientation how) {
+        return loadPhotograph(findPhotograph(folder / "", image, 0, how));
+      };
+      CHECK(meanDifference(load(modelOfUpright, Orientation::exif), upright) < 2);
+      CHECK(meanDifference(load(modelOfStored, Orientation::stored), stored) < 2);
+      const bool told = orientation >= 5 && size.x != size.y;  // by the shape
+      CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), told ? upright : stored) < 2);
+      CHECK(meanDifference(load(modelOfStored, Orientation::automatic), stored) < 2);
+      CHECK(findPhotograph(folder / "", modelOfStored, 0).turnUnsure == (orientation > 1 && !told));
+      if (told) {
+        CHECK_THROWS_AS(findPhotograph(folder / "", modelOfUpright, 0, Orientation::stored), Error);
+        CHECK_THROWS_AS(findPhotograph(folder / "", modelOfStored, 0, Orientation::exif), Error);
+      }
+    }
+}
+
+TEST_CASE("photographs that fit both ways are turned as the others of their set are") {
+  const test::TemporaryFolder folder;
+  for (const bool withTurned : {false, true}) {
+    fs::remove_all(folder / "photos");
+    const Image8 upright = ramp(48, 32);
+    PosedModel model;
+    const auto add = [&](const std::string& name, int orientation, int width, int height) {
+      writeTurned(folder / "photos" / name, storedAs(orientation, upright), orientation);
+      model.images.push_back(posed(name, width, height));
+    };
+    add("half.jpg", 3, 48, 32);
+    add("plain.jpg", 1, 48, 32);
+    if (withTurned) add("quarter.jpg", 6, 48, 32);
+    writeColmapModel(model, folder / "model");
+    BuildOptions options;
+    options.photographs = folder / "photos";
+    options.model = folder / "model";
+    options.output = folder / "scene";
+    std::string said;
+    const LogCallback log = [&](LogLevel level, std::string_view text) {
+      if (level == LogLevel::warning) said += text;
+    };
+    const BuildInput input = readInput(options, log);
+    CHECK(input.photographs[0].applyOrientation == withTurned);
+    CHECK(!input.photographs[1].applyOrientation);
+    CHECK(meanDifference(loadPhotograph(input.photographs[0]), withTurned ? upright : storedAs(3, upright)) < 2);
+    CHECK_THAT(said, Contains("1 of") && Contains("half.jpg") && !Contains("plain.jpg") &&
+                         Contains(withTurned ? "--orientation stored" : "--orientation exif"));
+    options.orientation = withTurned ? Orientation::stored : Orientation::exif;
+    said.clear();
+    if (withTurned) continue;  // stored: the quarter turn has another shape
+    CHECK(readInput(options, log).photographs[0].applyOrientation);
+    CHECK(said.empty());
+  }
+}
+
+TEST_CASE("a folder's pictures are told from previews, hidden files and what cannot be read") {
+  const test::TemporaryFolder folder;
+  const Image8 small(2, 2, 3, 9);
+  for (const char* name : {"a.jpg", "b.png"}) writeImage(folder / name, small);
+  fs::create_directories(folder / "sub/@eaDir/IMG.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "C.JPG");
+  fs::copy_file(folder / "a.jpg", folder / "sub/d.jpeg");
+  fs::copy_file(folder / "a.jpg", folder / "._a.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "sub/@eaDir/IMG.jpg/SYNOPHOTO_THUMB.jpg");
+  fs::create_directories(folder / ".thumbnails");
+  fs::copy_file(folder / "a.jpg", folder / ".thumbnails/a.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "caf\xe9.jpg");  // Latin-1
+  fs::create_symlink(folder / "a.jpg", folder / "link.jpg");
+  fs::create_symlink(folder / "nothing.jpg", folder / "broken.jpg");
+  fs::create_directory_symlink(folder / "", folder / "loop");
+  writeText(folder / "notes.txt", "hello");
+  writeText(folder / "empty.jpg", "");
+  writeText(folder / "text.jpg", "hello");
+  using namespace std::string_literals;
+  writeText(folder / "phone.jpg", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);  // HEIC by another name
+  for (const char* name : {"x1.HEIC", "x2.HEIC", "x3.heic", "x4.HEIC"})
+    writeText(folder / name, "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  writeText(folder / "raw.NEF", "MM\0*raw"s);
+  writeText(folder / "a.CR2", "II*\0raw"s);  // beside a.jpg
+  writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
+  const PictureFolder found = lookInto(folder / "");
+  CHECK((found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
+  std::vector<std::string> names;
+  for (const auto& unread : found.unread) names.push_back(unread.name);
+  CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
+                                           "x2.HEIC", "x3.heic", "x4.HEIC"}));
+  const std::string text = unreadText(found.unread);
+  CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC and 2 more: HEIC files are not read") &&
+                       Contains("empty.jpg: is empty") && Contains("raw.NEF: raw files are not read: develop") &&
+                       Contains("web.webp: WebP files") && Contains("text.jpg: is no JPEG") && !Contains("\n"));
+  CHECK(unreadText({}).empty());
+}
+
+namespace {
+
+// Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its model.
+struct MixedSet {
+  MixedSet() {
+    Court court = makeCourt(36, 96, 72, 1);
+    court.cameras = {court.cameras[0], court.cameras[1], court.cameras[2], court.cameras[3]};
+    court.cameras[1].intrinsics = pinholeFromFov(160, 120, 0.9);
+    court.cameras[2].intrinsics = pinholeFromFov(72, 96, 1.1);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::string name = "photo" + std::to_string(i) + ".jpg";
+      model.images.push_back({name, court.cameras[i]});
+      Camera taken = court.cameras[i];
+      if (i == 3) taken.intrinsics = resized(taken.intrinsics, 192, 144);
+      fs::create_directories(folder / "photos");
+      writeImage(folder / "photos" / name, photograph(court, taken), 95);
+    }
+    for (const CourtTrack& track : tracksOf(court, 1)) {
+      Track& added = model.tracks.emplace_back(Track{track.position, {}});
+      for (const auto& [camera, pixel] : track.seen) added.observations.push_back({camera, pixel});
+    }
+    writeColmapModel(model, folder / "model");
+    options.photographs = folder / "photos";
+    options.model = folder / "model";
+    options.output = folder / "scene";
+    options.tracks = TrackSource::model;
+  }
+  test::TemporaryFolder folder;
+  PosedModel model;
+  BuildOptions options;
+};
+
+}  // namespace
+
+TEST_CASE("photographs of several cameras and shapes share a cell") {
+  const MixedSet set;
+  BuildOptions options = set.options;
+  const BuildReport report = build(options);
+  CHECK(report.unused.empty());
+  REQUIRE(!report.cells.empty());
+  bool mixed = false;
+  for (const auto& cell : report.cells) {
+    CHECK(cell.quality.ecc > 0.8);
+    CHECK(cell.quality.coverage > 0.2);
+    mixed = mixed || std::ranges::count(cell.members, "photo2.jpg") > 0;
+  }
+  CHECK(mixed);
+  const Scene scene = loadScene(options.output);
+  CHECK(scene.nodes[2].camera.intrinsics.height == 96);
+  CHECK(scene.nodes[3].camera.intrinsics.width == 192);
+}
+
+TEST_CASE("all photographs that cannot be read are named at once, with the way out") {
+  const MixedSet set;
+  for (const char* name : {"photo1.jpg", "photo2.jpg"}) {
+    const fs::path file = set.options.photographs / name;
+    fs::resize_file(file, fs::file_size(file) / 2);
+  }
+  const Error error = test::errorOf([&] { build(set.options); });
+  CHECK(error.code() == ErrorCode::invalidInput);
+  CHECK_THAT(error.what(), Contains("2 photographs") && Contains("photo1.jpg") && Contains("photo2.jpg") &&
+                               !Contains("photo0.jpg") && Contains("--exclude"));
+  BuildOptions options = set.options;
+  options.exclude = {"photo1.jpg", "photo2.jpg"};
+  options.backdrops = false;
+  CHECK(build(options).cells.size() == 1);
+}
+
+TEST_CASE("what a folder holds beside photographs is told, and stands in the scene") {
+  const MixedSet set;
+  using namespace std::string_literals;
+  writeText(set.options.photographs / "x.HEIC", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  writeText(set.options.photographs / "photo0.CR2", "II*\0raw"s);
+  BuildOptions options = set.options;
+  options.backdrops = false;
+  std::string said;
+  const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::warning) said += text;
+  });
+  CHECK_THAT(said, Contains("x.HEIC: HEIC files are not read") && !Contains("photo0.CR2"));
+  REQUIRE(report.unused.size() == 1);
+  CHECK(report.unused[0].name == "x.HEIC");
+  CHECK_THAT(report.unused[0].reason, Contains("convert"));
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/usage.h"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "base/file.h"
+#include "support/temporary_folder.h"
+
+using namespace ibr;
+
+TEST_CASE("the limit of a control group is the least of it and those above it") {
+  const test::TemporaryFolder folder;
+  makeFolders(folder / "a/b/c");
+  CHECK(!groupMemoryLimit(folder / "", "0::/a/b/c\n"));
+  writeFile(folder / "a/memory.max", std::string_view("3000000000\n"));
+  writeFile(folder / "a/b/memory.max", std::string_view("max\n"));
+  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 3e9);
+  writeFile(folder / "a/b/c/memory.max", std::string_view("2000000000\n"));
+  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 2e9);
+  writeFile(folder / "memory.max", std::string_view("1000000000\n"));  // as a container sees its own
+  CHECK(groupMemoryLimit(folder / "", "0::/a/b/c\n") == 1e9);
+  CHECK(groupMemoryLimit(folder / "", "0::/\n") == 1e9);
+  CHECK(groupMemoryLimit(folder / "", "0::/not/there\n") == 1e9);
+}
+
+TEST_CASE("control groups of version 1 have a hierarchy of memory") {
+  const test::TemporaryFolder folder;
+  makeFolders(folder / "memory/job");
+  writeFile(folder / "memory/job/memory.limit_in_bytes", std::string_view("500000000\n"));
+  writeFile(folder / "memory/memory.limit_in_bytes", std::string_view("9223372036854771712\n"));
+  CHECK(groupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n4:memory:/job\n1:name=systemd:/y\n") == 5e8);
+  CHECK(!groupMemoryLimit(folder / "", "5:cpu,cpuacct:/x\n"));
+  CHECK(!groupMemoryLimit(folder / "", "no such line"));
+}
+
+TEST_CASE("a process has what it took, and no more than it may") {
+  const double before = residentMemory();
+  const std::vector<char> much(64 << 20, 1);
+  CHECK(residentMemory() >= before + 60e6 + much[7]);
+  CHECK(peakMemory() >= 60e6);
+  CHECK(memoryLimit() > residentMemory());
+  CHECK(processorSeconds() > 0);
+}
