@@ -31,6 +31,7 @@ RenderSettings paperSettings(RenderSettings settings) {
   settings.morph = Morph::paper;
   settings.order = DrawOrder::paper;
   settings.lowestTier = kTierAgrees;
+  settings.exposure = Exposure::off;
   return settings;
 }
 

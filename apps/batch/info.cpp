@@ -102,6 +102,25 @@ std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
   return names;
 }
 
+void showExposures(const Scene& scene, Json& report, const Context& context) {
+  double least = 1, most = 1;
+  std::size_t known = 0;
+  Json& exposures = report["exposures"] = Json::array();
+  for (const Node& node : scene.nodes) {
+    Json line{{"photograph", node.name}, {"gain", {node.gain.r, node.gain.g, node.gain.b}}};
+    if (const auto exposure = relativeExposure(node.capture)) line["relativeExposure"] = *exposure;
+    exposures.push_back(std::move(line));
+    known += node.gain != glm::dvec3(1.0);
+    least = std::min({least, node.gain.r, node.gain.g, node.gain.b});
+    most = std::max({most, node.gain.r, node.gain.g, node.gain.b});
+  }
+  context.print("exposures    ");
+  if (known > 0)
+    context.print("{} measured, gains {:.3f} to {:.3f}\n", known, least, most);
+  else
+    context.print("none measured\n");
+}
+
 ExitCode showScene(const Options& options, const Context& context) {
   if (isImageFile(options.scene)) {
     check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
@@ -162,6 +181,7 @@ ExitCode showScene(const Options& options, const Context& context) {
                 summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
   context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
   context.print("triangles    {}, {} of them tier 0\n", summary.triangles, summary.tier0);
+  showExposures(scene, report, context);
   const std::size_t backdropBytes =
       4 * sizeof(float) * summary.backdropPoints + 3 * sizeof(std::uint32_t) * summary.backdropTriangles;
   context.print("backdrops    {}", scene.backdrops.size());

@@ -73,6 +73,15 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
                           "Draw at most N backdrops");
   addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
                   "Two views: one colour table for both, or each its own [shared]");
+  addChoice<Exposure>(
+      app, "--exposure", settings.exposure,
+      [] {
+        std::vector<std::pair<std::string, Exposure>> choices;
+        for (const auto& [word, exposure] : kExposures) choices.emplace_back(word, exposure);
+        return choices;
+      }(),
+      "Photographs as they are, or as if all had one exposure: the scene's mean, or that of the photographs which the "
+      "main cell shows [adapted]");
   addChoice<ColourTable>(
       app, "--colour-table", settings.colourTable,
       {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
@@ -144,6 +153,10 @@ const char* wordOf(ColourMapping mapping) {
   return "";
 }
 
+const char* wordOf(Exposure exposure) {
+  return kExposures[std::size_t(exposure)].first;
+}
+
 const char* wordOf(BlendMode blend) {
   return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
 }
@@ -187,6 +200,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
           {"textureScale", settings.textureScale},
           {"renderScale", settings.renderScale},
           {"eyeColours", settings.shareEyeColours ? "shared" : "own"},
+          {"exposure", wordOf(settings.exposure)},
           {"colour", wordOf(settings.colourMapping)},
           {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"
                           : settings.colourTable == ColourTable::strict ? "strict"

@@ -48,6 +48,11 @@ inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
     std::pair{"paper", ColourMapping::paper}, std::pair{"paper-redraw", ColourMapping::paperRedraw}};
 const char* wordOf(ColourMapping mapping);
+
+/// Words of --exposure, also of reports.
+inline constexpr std::array kExposures{std::pair{"off", Exposure::off}, std::pair{"scene", Exposure::scene},
+                                       std::pair{"adapted", Exposure::adapted}};
+const char* wordOf(Exposure exposure);
 const char* wordOf(BlendMode blend);
 
 /// Words of --overlay and what each shows, in the order in which a viewer goes through them.

@@ -47,7 +47,8 @@ class SceneOnDevice final : public PlaceOnDevice {
     lastView_ = view;
     lastSettings_ = s;
     quiet_ = same ? quiet_ + moment.seconds : 0;
-    const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
+    const double fades = std::max({s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds,
+                                   s.exposure == Exposure::adapted ? 6 * s.exposureSeconds : 0.0});
     restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1;
   }
 

@@ -20,6 +20,8 @@ layout(constant_id = 4) const uint kBlending = kBlend;
 
 layout(constant_id = 9) const bool kCubic = false;  // sharper where a photograph is magnified
 
+layout(constant_id = 11) const bool kExposed = false;  // photographs have gains
+
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
 layout(location = 5) flat in float inDetail;
@@ -118,6 +120,10 @@ vec3 tap(int slot, int member, Sampling s, float k) {
       const vec3 linear = photograph(slot, coordinate, vec2(0.0), vec2(0.0));
       colour += (1.0 - coarser) * (cubic(slot, coordinate, isPanorama(member)) - linear);
     }
+  }
+  if (kExposed) {
+    const CellMember shown = cells[inCell].member[member];
+    colour = exposedColour(colour, shown.gain, shown.slope);
   }
   return share * colour;
 }

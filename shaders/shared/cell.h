@@ -31,6 +31,8 @@ struct CellMember {
   float position;  // λ_i, weight of the vertex position
   float blend;     // λ̂_i, weight of the colour
   uint layer;      // of the member's array image
+  vec3 gain;       // of the photograph's linear light; 1 where it is shown as it is
+  vec3 slope;      // gain^(1 / 2.4)
 };
 
 struct CellParameters {
@@ -58,6 +60,26 @@ IBR_FUNCTION int ditherMember(vec4 weights, float r) {
     if (r < sum) break;
   }
   return chosen;
+}
+
+/// A display-encoded value (sRGB, IEC 61966-2-1) whose linear light is multiplied by `gain`; slope = gain^(1 / 2.4). Not
+/// clamped. Exact but between the ends of the curve's straight part before and after, where it is too small by less than
+/// 0.0023 (too large for a gain below 1) for gains of 1/8 to 8; a gain of 1 changes no bit.
+IBR_FUNCTION float exposedValue(float value, float gain, float slope) {
+  const float curved = slope * value + 0.055f * (slope - 1.0f), straight = gain * value;
+  return gain < 1.0f ? max(curved, straight) : min(curved, straight);
+}
+
+/// A photograph's colour with its gain. What is clipped was at least as bright as it looks, of unknown colour: from kClips
+/// on it is made no darker than it is, little by little, so that white does not turn grey or brown.
+IBR_CONSTANT float kClips = 0.9f, kClipped = 0.99f;
+IBR_FUNCTION vec3 exposedColour(vec3 colour, vec3 gain, vec3 slope) {
+  const vec3 exposed =
+      vec3(exposedValue(colour.r, gain.r, slope.r), exposedValue(colour.g, gain.g, slope.g),
+           exposedValue(colour.b, gain.b, slope.b));
+  const float share = clamp((max(colour.r, max(colour.g, colour.b)) - kClips) / (kClipped - kClips), 0.0f, 1.0f);
+  const vec3 lost = colour - exposed;
+  return exposed + share * vec3(max(lost.r, 0.0f), max(lost.g, 0.0f), max(lost.b, 0.0f));
 }
 
 /// Pseudo-random number of a rank: (rank + ½) / count, never 0 or 1.

@@ -44,6 +44,7 @@ TEST_CASE("a scene's settings come back from their words") {
   settings.switchSeconds = 0.1;
   settings.textureScale = 1e-2;
   settings.renderScale = 2.0 / 3;
+  settings.exposure = Exposure::scene;
   settings.colourMapping = ColourMapping::paperRedraw;
   settings.colourTable = ColourTable::strict;
   settings.colourSamples = 1e-5;

@@ -273,6 +273,25 @@ float noiseAt(int x, int y) {
   return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
 }
 
+// The photograph with its gain, where photographs are shown so (shared/cell.h, exposedValue).
+Texel exposed(const Step& step, std::size_t member, Texel texel) {
+  if (step.plan.settings.exposure == Exposure::off) return texel;
+  const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
+  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
+  const double share = std::clamp((largest(texel.colour) - 0.9) / 0.09, 0.0, 1.0);  // that is clipped
+  for (int c = 0; c < 3; ++c) {
+    const double slope = std::pow(gain[c], 1 / 2.4), before = texel.colour[c];
+    const double curved = slope * (before + 0.055) - 0.055, straight = gain[c] * before;
+    const double after = gain[c] < 1 ? std::max(curved, straight) : std::min(curved, straight);
+    texel.colour[c] = after < before ? after + share * (before - after) : after;
+  }
+  // The slope of what is above: at the clipped end a level makes much of a difference.
+  const double most = std::max(1.0, largest(gain)) + (brightest > 0.9 ? 1 / 0.09 : 0.0);
+  texel.range = most * texel.range + 128 * (most - 1);  // devices filter to about a level, which the gain multiplies
+  texel.levelRange *= most;
+  return texel;
+}
+
 // `x`, `y`: the pixel; `noise`: what is added to it for the noise.
 Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
             glm::ivec2 noise, Known& known) {
@@ -290,7 +309,7 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
                                                       : 0.5 * (blend[i] + dithered);
     shares[i] = weight;
     if (weight == 0.0 && blend[i] == 0.0) continue;
-    const Texel texel = sample(step, t, textures[step.cell.members[i]], i, x, y);
+    const Texel texel = exposed(step, i, sample(step, t, textures[step.cell.members[i]], i, x, y));
     if (weight > 0.0) result = mixed(result, 1, texel, weight);
     mean += blend[i] * texel.colour;
     square += blend[i] * texel.colour * texel.colour;
@@ -377,7 +396,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
         owners[at].step = index;
         owners[at].depth = z;
         const Texel texel = shade(step, t, textures, x, y, noise, picture.known[at]);
-        picture.colour[at] = glm::dvec4(texel.colour, (255.0 - 64.0 * step.tier) / 255.0);
+        picture.colour[at] = glm::dvec4(glm::clamp(texel.colour, 0.0, 1.0), (255.0 - 64.0 * step.tier) / 255.0);
         picture.range[at] = texel.range;
         picture.levelRange[at] = texel.levelRange;
       }

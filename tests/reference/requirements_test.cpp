@@ -18,7 +18,7 @@ namespace {
 
 constexpr VkExtent2D kExtent{64, 48};
 constexpr std::uint64_t kPixels = 64 * 48;
-constexpr std::uint64_t kParameter = 316;  // bytes of a step's
+constexpr std::uint64_t kParameter = 412;  // bytes of a step's
 constexpr std::uint64_t kLeaving = 16;     // cells that may be drawn besides
 constexpr std::uint64_t kNoise = 64 * 64 * 4;
 

@@ -20,7 +20,9 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                        {"principal", offsetof(CellMember, principal)},
                                                        {"position", offsetof(CellMember, position)},
                                                        {"blend", offsetof(CellMember, blend)},
-                                                       {"layer", offsetof(CellMember, layer)}});
+                                                       {"layer", offsetof(CellMember, layer)},
+                                                       {"gain", offsetof(CellMember, gain)},
+                                                       {"slope", offsetof(CellMember, slope)}});
   const auto cell = offsetsOf(ibr::shaders::cell_vert, "CellParameters");
   CHECK(cell == std::map<std::string, std::uint32_t>{{"member", offsetof(CellParameters, member)},
                                                      {"shift", offsetof(CellParameters, shift)},

@@ -69,6 +69,8 @@ Scene withTroubles(Scene scene) {
   scene.cells[1].quality.coverage = 0.75;
   scene.cells[1].quality.ecc = 0.5;
   scene.cells[1].quality.score = 0.25;
+  scene.nodes[1].gain = {0.5, 1.25, 2};
+  scene.nodes[1].capture = {.exposureTime = 0.004, .fNumber = 2.8, .iso = 100, .model = "M1"};
   scene.unused = {{"left.jpg", "it is the only photograph"}};
   Cell pointsOnly = scene.cells[3];
   pointsOnly.members = {4, 3};

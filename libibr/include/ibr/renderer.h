@@ -58,6 +58,15 @@ enum class ColourMapping : std::uint8_t {
   paperRedraw,  // the same sequence; tables applied by drawing the mesh again
 };
 
+/// As how bright and how white photographs are shown whose exposures are known (Node::gain); others are shown as they
+/// are. Also where colours are mapped, which then has less to do.
+enum class Exposure : std::uint8_t {
+  off,      // each as it is
+  scene,    // all as bright as they are in the mean
+  adapted,  // all as bright as those that the main cell shows there ([T] §2.5.3's eye, which adapts): at a photograph's
+            // own pose it is shown as it is
+};
+
 /// How a colour table goes on beyond the levels that two cells share.
 enum class ColourTable : std::uint8_t {
   naive,       // [T] eq. 10
@@ -129,6 +138,9 @@ struct RenderSettings {
                                                      // indices beyond the scene's mean nothing
   int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
   bool leaveOutHidden = true;      // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
+
+  Exposure exposure = Exposure::adapted;
+  double exposureSeconds = 0.5;  // time constant with which the eye adapts
 
   ColourMapping colourMapping = ColourMapping::off;
   ColourTable colourTable = ColourTable::preserving;
@@ -232,6 +244,7 @@ struct PlanState {
   std::vector<ShownMesh> former;          // cells before the last switch of the main cell, best first
   double secondsSinceSwitch = 0;          // of that switch
   std::vector<std::int64_t> colourSlots;  // cell of each slot, −1 if none
+  std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
   double colourFade = 0;                  // seconds until the main cell's table is the identity
   int colourAge = 0;                      // frames since colours were counted
 };
@@ -260,6 +273,7 @@ struct FramePlan {
   std::vector<PlannedBackdrop> backdrops;  // best first, those that leave among them
   std::vector<PlannedCell> former;         // while a switch is mixed: what is drawn in the order before it; else empty
   double formerWeight = 0;                 // of the picture of `former` in the mixture, 0 … 1
+  glm::dvec3 exposure{1.0};  // R, G, B: of linear light, times a photograph's gain, unless that is off
   ColourPlan colour;
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why

@@ -19,7 +19,8 @@ struct Requirements {
   std::uint32_t mixedCells = 0;               // with photographs of both kinds
   bool rejected = false;                      // there are triangles of tier 1
   bool stretched = false;                     // backdrops have triangles that come after all that agree
-  bool severalExposures = true;  // a scene keeps no exposure facts of its photographs yet: unknown is several
+  bool severalExposures = true;               // unknown is several
+  bool gains = false;                         // there are photographs whose gain is not 1
 
   // With a renderer's options.
   bool depthOrder = false, painters = false;  // cells are drawn with depth, without

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/capture.h"
 #include "ibr/conventions.h"
 
 namespace ibr {
@@ -24,7 +25,12 @@ struct Node {
   Camera camera;                      // intrinsics are those of the undistorted photograph at its stored size
   std::filesystem::path imageFile;    // JPEG or PNG, relative to the scene's folder
   std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
+  CaptureFacts capture = {};          // as the camera wrote it down
+  /// Red, green, blue: the photograph times this, in linear light, is as bright and as white as the others are
+  /// (author/exposure.h). 1 where it is not known; 1 / kLargestGain to kLargestGain.
+  glm::dvec3 gain{1.0};
 };
+inline constexpr double kLargestGain = 4096;
 
 /// What a triangle is good for (ARCHITECTURE §5, "Tiers").
 enum Tier : std::uint8_t {

@@ -14,6 +14,7 @@
 #include "author/build_prediction.h"
 #include "author/cell_maker.h"
 #include "author/cells.h"
+#include "author/exposure.h"
 #include "author/kept_file.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
@@ -51,6 +52,7 @@ class Builder {
     warnOfEmptyPlan();
     describe();
     makeCells();
+    measureExposures();
     if (options_.backdrops) makeBackdrops();
     listUnused();
     if (options_.finish) finish();
@@ -91,7 +93,7 @@ class Builder {
           faults.size(), fmt::join(faults, "\n"));
     check(faults.empty(), ErrorCode::invalidInput, "{} (--exclude leaves it out)", fmt::join(faults, ""));
     for (const Photograph& photo : input_.photographs)
-      scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile});
+      scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile, photo.capture});
   }
 
   void describe() {
@@ -174,6 +176,12 @@ class Builder {
     scene_.cells.push_back(std::move(cell));
     keys_.push_back(made.key);
     return true;
+  }
+
+  void measureExposures() {
+    const std::vector<glm::dvec3> gains = exposureGains(input_.photographs, input_.model, scene_.cells, jobs_);
+    for (std::size_t n = 0; n < gains.size(); ++n) scene_.nodes[n].gain = gains[n];
+    if (log_ && !gains.empty()) log_(LogLevel::info, describedGains(gains));
   }
 
   void listUnused() {

@@ -59,6 +59,7 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const ImageFileInfo info = probeImage(photo.source);
   const Intrinsics& k = image.camera.intrinsics;
   const Size camera = image.lens ? Size{image.lens->width(), image.lens->height()} : Size{k.width, k.height};
+  photo.capture = info.capture;
   int width = info.width, height = info.height;
   photo.sourcePixels = double(width) * height;
   const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ibr/author.h"
+#include "ibr/capture.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
@@ -24,6 +25,7 @@ struct Photograph {
   double sourcePixels = 0;
   std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
   bool copied = false;                           // stored byte by byte
+  CaptureFacts capture;                          // that its file tells
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder

@@ -2,6 +2,7 @@
 #include "render/cell_parameters.h"
 
 #include <cmath>
+#include <glm/exponential.hpp>
 #include <glm/gtc/quaternion.hpp>
 
 namespace ibr {
@@ -40,6 +41,10 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.position = float(step.weights.position[i]);
     member.blend = float(step.weights.blend[i]);
     member.layer = step.mesh->layers[i];
+    const glm::dvec3 gain =
+        plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * step.mesh->gains[i];
+    member.gain = gain;
+    member.slope = glm::pow(gain, glm::dvec3(1 / 2.4));
     shift += step.weights.position[i] * (camera.pose.position - eye.pose.position);
   }
   cell.shift = glm::vec3(toView * shift);

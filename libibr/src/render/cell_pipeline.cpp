@@ -25,6 +25,7 @@ struct Constants {  // specialisation constants of the cell shaders
   std::uint32_t viewStride;
   VkBool32 cubic;
   std::uint32_t overlay;
+  VkBool32 exposed;
 };
 
 }  // namespace
@@ -36,6 +37,7 @@ CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
           .cubic = step.mesh->cubic,
           .onePage = step.mesh->onePage,
           .dissolve = step.opacity < 1.0f,
+          .exposed = step.mesh->exposed,
           .blend = members == 1 ? BlendMode::blend : blend};
 }
 
@@ -47,7 +49,7 @@ std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayD
   for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
     for (const bool dissolve : {false, true})
       if (!dissolve || mayDissolve)
-        variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, blend});
+        variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, mesh.exposed, blend});
   return variants;
 }
 
@@ -60,18 +62,19 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
-  constexpr std::array<VkSpecializationMapEntry, 9> kEntries{{{0, offsetof(Constants, members), 4},
-                                                              {1, offsetof(Constants, onePage), 4},
-                                                              {2, offsetof(Constants, dissolve), 4},
-                                                              {3, offsetof(Constants, panoramas), 4},
-                                                              {4, offsetof(Constants, blending), 4},
-                                                              {7, offsetof(Constants, mapped), 4},
-                                                              {8, offsetof(Constants, viewStride), 4},
-                                                              {9, offsetof(Constants, cubic), 4},
-                                                              {10, offsetof(Constants, overlay), 4}}};
-  const Constants constants{std::int32_t(members),        variant.onePage, variant.dissolve,  variant.panoramas,
-                            std::uint32_t(variant.blend), wanted.mapped,   wanted.viewStride, variant.cubic,
-                            std::uint32_t(wanted.overlay)};
+  constexpr std::array<VkSpecializationMapEntry, 10> kEntries{{{0, offsetof(Constants, members), 4},
+                                                               {1, offsetof(Constants, onePage), 4},
+                                                               {2, offsetof(Constants, dissolve), 4},
+                                                               {3, offsetof(Constants, panoramas), 4},
+                                                               {4, offsetof(Constants, blending), 4},
+                                                               {7, offsetof(Constants, mapped), 4},
+                                                               {8, offsetof(Constants, viewStride), 4},
+                                                               {9, offsetof(Constants, cubic), 4},
+                                                               {10, offsetof(Constants, overlay), 4},
+                                                               {11, offsetof(Constants, exposed), 4}}};
+  const Constants constants{std::int32_t(members),         variant.onePage, variant.dissolve,  variant.panoramas,
+                            std::uint32_t(variant.blend),  wanted.mapped,   wanted.viewStride, variant.cubic,
+                            std::uint32_t(wanted.overlay), variant.exposed};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:

@@ -21,6 +21,7 @@ struct CellVariant {
   bool cubic;               // TextureFilter::bicubic
   bool onePage;             // all members' photographs are layers of one image: dithering takes one sample
   bool dissolve;            // opacity below 1
+  bool exposed;             // a photograph of the scene has a gain other than 1
   BlendMode blend;
   auto operator<=>(const CellVariant&) const = default;
 };

@@ -20,6 +20,7 @@
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
 #include "render/culling.h"
+#include "render/exposure_plan.h"
 #include "render/occlusion.h"
 #include "render/transition.h"
 
@@ -94,6 +95,7 @@ class Planner {
       markHidden(scene_, bounds_, plan_);
     mixSwitch();
     rememberSingles();
+    plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
     planColours(scene_, dt_, state_, plan_);
     return std::move(plan_);
   }

@@ -92,9 +92,11 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene) {
   const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
     Mesh& out = meshes.emplace_back();
     out.members = cell.members;
+    out.exposed = requirements.gains;  // what has a gain of 1 is shown by the exposure of others
     for (const std::uint32_t member : cell.members) {
       Camera& camera = out.cameras.emplace_back(scene.nodes[member].camera);
       camera.pose.rotation = glm::normalize(camera.pose.rotation);
+      out.gains.push_back(scene.nodes[member].gain);
       out.panoramas |= std::uint32_t(isPanorama(scene.nodes[member])) << (out.cameras.size() - 1);
     }
     appendMesh(scene, cell, geometry, out);

@@ -28,6 +28,8 @@ struct GpuScene::State {
     std::vector<std::uint32_t> layers;   // of their photographs, now
     std::uint32_t panoramas = 0;         // bit i: member i is one
     bool cubic = false;                  // sampled so where they are magnified
+    std::vector<glm::dvec3> gains;       // of the members' photographs, Node::gain
+    bool exposed = false;                // a photograph of the scene has one that is not 1
     bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     Range tier[2];                       // agreeing, rejected (of a backdrop: stretched)

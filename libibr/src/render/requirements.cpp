@@ -22,7 +22,10 @@ Requirements ofScene(const Scene& scene) {
   Requirements r;
   r.cells = std::uint32_t(scene.cells.size());
   r.backdrops = std::uint32_t(scene.backdrops.size());
-  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) ++(isPanorama(scene, n) ? r.panoramas : r.pinholes);
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    ++(isPanorama(scene, n) ? r.panoramas : r.pinholes);
+    r.gains = r.gains || scene.nodes[n].gain != glm::dvec3(1.0);
+  }
   for (const Cell& cell : scene.cells) {
     ++r.cellsOf[cell.members.size()];
     const auto panoramas =
@@ -94,6 +97,8 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   const char* const alone = "one cell or none: nothing to switch to or to adapt to";
   add("mixing of switches", r.switchMixing,
       r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not asked for" : alone));
+  add("gains of photographs", r.gains,
+      r.gains ? "photographs were exposed differently" : "one exposure, or none was measured");
   add("colour tables", r.colourTables,
       r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not asked for" : alone));
   add("the paper's colour sequence", r.colourSequence, r.colourSequence ? "asked for" : "not asked for");

@@ -10,6 +10,7 @@
 #include "base/check.h"
 #include "scene/faults.h"
 #include "scene/mesh_buffer.h"
+#include "scene/scene_file.h"
 
 namespace ibr {
 
@@ -108,6 +109,17 @@ void checkCell(const Cell& cell, std::size_t nodes, std::size_t least, std::size
   checkQuality(cell.quality, at + ".quality", faults);
 }
 
+void checkExposure(const Node& node, const std::string& at, Faults& faults) {
+  for (int c = 0; c < 3; ++c)
+    if (!(node.gain[c] >= 1 / kLargestGain && node.gain[c] <= kLargestGain))
+      faults.add(fmt::format("{}.gain[{}]", at, c), "{} is not within 1/{} to {}", node.gain[c], kLargestGain,
+                 kLargestGain);
+  const CaptureFacts& capture = node.capture;
+  for (const auto& [name, value] : kCaptureNumbers)
+    if (!(capture.*value >= 0) || !std::isfinite(capture.*value))
+      faults.add(fmt::format("{}.capture.{}", at, name), "{} is negative or not finite", capture.*value);
+}
+
 }  // namespace
 
 std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
@@ -117,6 +129,7 @@ std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
     const std::string at = fmt::format("nodes[{}]", n);
     if (scene.nodes[n].name.empty()) faults.add(at + ".name", "is empty");
     checkCamera(scene.nodes[n].camera, at + ".camera", faults);
+    checkExposure(scene.nodes[n], at, faults);
     if (!names.insert(scene.nodes[n].name).second) faults.add(at + ".name", "\"{}\" stands twice", scene.nodes[n].name);
   }
   for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)

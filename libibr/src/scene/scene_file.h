@@ -9,15 +9,28 @@
 //                overwritten by other contents
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "ibr/capture.h"
 
 namespace ibr {
 
 inline constexpr const char* kSceneFileName = "scene.gltf";
 inline constexpr const char* kSceneExtension = "IBR_image_graph";
 inline constexpr int kSceneVersion = 1;
+
+/// Members of a photograph's "capture"; each may be missing.
+inline constexpr std::array kCaptureNumbers{
+    std::pair{"exposureTime", &CaptureFacts::exposureTime}, std::pair{"fNumber", &CaptureFacts::fNumber},
+    std::pair{"iso", &CaptureFacts::iso}, std::pair{"focalLength", &CaptureFacts::focalLength},
+    std::pair{"focalLength35", &CaptureFacts::focalLength35}};
+inline constexpr std::array kCaptureTexts{std::pair{"maker", &CaptureFacts::maker},
+                                          std::pair{"model", &CaptureFacts::model},
+                                          std::pair{"lens", &CaptureFacts::lens}};
 
 /// Relative paths as URIs (RFC 3986) and back. decodeUri gives "" for one that is absolute, has a scheme or is
 /// malformed.

@@ -52,6 +52,11 @@ class Reader {
     node.camera = named.camera;
     if (entry.has("image")) node.imageFile = gltf_.reference(gltf_.element("images", entry["image"])["uri"]);
     if (entry.has("texture")) node.textureFile = gltf_.reference(entry["texture"]["uri"]);
+    if (entry.has("capture")) node.capture = capture(entry["capture"]);
+    if (entry.has("gain")) {
+      node.gain = vector3(entry["gain"]);
+      for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kLargestGain, kLargestGain);
+    }
     return node;
   }
 
@@ -81,6 +86,15 @@ class Reader {
   }
 
  private:
+  static CaptureFacts capture(const JsonValue& entry) {
+    CaptureFacts facts;
+    for (const auto& [key, value] : kCaptureNumbers)
+      if (entry.has(key)) facts.*value = positive(entry[key]);
+    for (const auto& [key, text] : kCaptureTexts)
+      if (entry.has(key)) facts.*text = entry[key].string();
+    return facts;
+  }
+
   // Floats of one attribute, each checked.
   template <class Check>
   static std::vector<float> floats(const Accessor& a, std::size_t component, Check&& holds, const char* what) {

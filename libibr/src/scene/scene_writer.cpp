@@ -27,6 +27,8 @@ void checkTexts(const Scene& scene, const fs::path& folder) {
     demandUtf8(scene.nodes[n].name, folder, "scene", fmt::format("nodes[{}].name", n));
     demandInside(scene.nodes[n].imageFile, folder, "scene", fmt::format("nodes[{}].imageFile", n));
     demandInside(scene.nodes[n].textureFile, folder, "scene", fmt::format("nodes[{}].textureFile", n));
+    for (const auto& [key, text] : kCaptureTexts)
+      demandUtf8(scene.nodes[n].capture.*text, folder, "scene", fmt::format("nodes[{}].capture.{}", n, key));
   }
   for (std::size_t i = 0; i < scene.unused.size(); ++i) {
     demandUtf8(scene.unused[i].name, folder, "scene", fmt::format("unused[{}].name", i));
@@ -45,6 +47,13 @@ class Writer {
                {"camera", GltfWriter::intrinsicsJson(node.camera.intrinsics)}};
     if (!node.imageFile.empty()) entry["image"] = gltf_.add("images", {{"uri", encodeUri(node.imageFile)}});
     if (!node.textureFile.empty()) entry["texture"] = {{"uri", encodeUri(node.textureFile)}};
+    Json capture = Json::object();
+    for (const auto& [key, text] : kCaptureTexts)
+      if (!(node.capture.*text).empty()) capture[key] = node.capture.*text;
+    for (const auto& [key, value] : kCaptureNumbers)
+      if (node.capture.*value > 0) capture[key] = node.capture.*value;
+    if (!capture.empty()) entry["capture"] = std::move(capture);
+    if (node.gain != glm::dvec3(1.0)) entry["gain"] = {node.gain.r, node.gain.g, node.gain.b};
     photographs_.push_back(std::move(entry));
   }
 

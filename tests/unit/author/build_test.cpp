@@ -14,6 +14,7 @@
 #include "ibr/author.h"
 #include "ibr/error.h"
 #include "image/ktx2.h"
+#include "image/srgb.h"
 #include "io/image_file.h"
 #include "scene/synthetic.h"
 #include "support/error_of.h"
@@ -579,4 +580,36 @@ TEST_CASE("posed photographs are those that a build stores") {
   CHECK_THROWS_AS(photographs.picture(3), std::out_of_range);
   options.exclude = {"none.png"};
   CHECK_THROWS_AS(PosedPhotographs(options), Error);
+}
+
+TEST_CASE("a build finds how its photographs were exposed, though some of their pixels are clipped") {
+  const Set set(2);
+  const glm::dvec3 factors[]{{1.5, 1.3, 1.4}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {2.2, 2, 2.4}};
+  double clipped = 0;
+  for (std::size_t n = 0; n < 4; ++n) {
+    Image8 photograph = set.scene.photographs[n];
+    for (int y = 0; y < photograph.height; ++y)
+      for (int x = 0; x < photograph.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          std::uint8_t& level = photograph.pixel(x, y)[std::size_t(c)];
+          const double light = factors[n][c] * srgbToLinear(level / 255.0);
+          clipped += light > 1;
+          level = std::uint8_t(std::lround(255 * linearToSrgb(std::min(light, 1.0))));
+        }
+    writeImage(set.folder / "photos" / set.model.images[n].name, photograph);
+  }
+  CHECK(clipped > 1000);
+  build(set.options());
+  const Scene scene = loadScene(set.folder / "scene");
+  for (int c = 0; c < 3; ++c) {
+    double mean = 0;
+    for (const glm::dvec3& factor : factors) mean += std::log(factor[c]) / 4;
+    double gauge = 0;
+    for (std::size_t n = 0; n < 4; ++n) {
+      INFO(n << ", channel " << c << ": " << scene.nodes[n].gain[c]);
+      CHECK(scene.nodes[n].gain[c] * factors[n][c] == Approx(std::exp(mean)).epsilon(0.01));
+      gauge += std::log(scene.nodes[n].gain[c]);
+    }
+    CHECK(std::abs(gauge) < 1e-9);  // neither brighter nor tinted
+  }
 }

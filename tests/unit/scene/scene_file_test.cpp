@@ -36,6 +36,8 @@ Scene example(std::uint64_t seed = 1) {
         glm::normalize(glm::dquat(1, 0.1 * unit(random), 0.1 * unit(random), 0.1 * unit(random)));
     scene.nodes.push_back(node);
   }
+  scene.nodes[1].gain = {0.125, 1 / 3.0, 4096};
+  scene.nodes[2].capture = {1.0 / 320, 2.8, 100, 3.61, 20, "DJI", "P\"2", "built in"};
   scene.nodes[4].camera.intrinsics = {CameraModel::equirectangular, 2048, 1024, 0, 0, 0, 0};
   const auto cell = [&](std::vector<std::uint32_t> members, std::size_t points) {
     Cell c;
@@ -98,6 +100,8 @@ void compare(const Scene& a, const Scene& b) {
     CHECK(a.nodes[n].camera.intrinsics == b.nodes[n].camera.intrinsics);
     CHECK(a.nodes[n].camera.pose.position == b.nodes[n].camera.pose.position);
     CHECK(glm::length(a.nodes[n].camera.pose.rotation - b.nodes[n].camera.pose.rotation) < 1e-15);
+    CHECK(a.nodes[n].gain == b.nodes[n].gain);
+    CHECK((a.nodes[n].capture == b.nodes[n].capture));
   }
   REQUIRE(a.cells.size() == b.cells.size());
   for (std::size_t c = 0; c < a.cells.size(); ++c) {
