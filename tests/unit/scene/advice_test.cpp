@@ -99,6 +99,13 @@ TEST_CASE("a good capture gives no complaint, and ten places where more may be t
   CHECK(advice.views.size() == 10);
   CHECK(advice.shown > 0.85);
   checkViews(scene, advice);
+  // What each adds is counted with those before it taken.
+  const CaptureAdvice first = adviseCapture(scene, {.views = 1});
+  REQUIRE(first.views.size() == 1);
+  double gains = 0;
+  for (const NextView& view : advice.views) gains += view.gain;
+  CHECK((advice.shownThen - advice.shown) / gains ==
+        Approx((first.shownThen - first.shown) / first.views[0].gain).epsilon(1e-4));
   CHECK(adviseCapture(scene, {.views = 3}).views.size() == 3);
   CHECK(adviseCapture(scene, {.views = 0}).views.empty());
 }
