@@ -11,6 +11,7 @@
 
 #include "author/parallel.h"
 #include "author/photographs.h"
+#include "author/picture_folder.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -266,12 +267,25 @@ void posesOf(const fs::path& folder, const std::vector<std::string>& names, Find
   }
 }
 
+std::string lowerExtension(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return extension;
+}
+
 }  // namespace
 
 void examinePhotographs(const fs::path& folder, Findings& findings, const Context& context) {
   std::vector<std::string> names;
   try {
-    names = listPictures(folder);
+    const PictureFolder found = lookInto(folder);
+    names = found.pictures;
+    for (const auto& [name, reason] : found.unread)  // those of our kinds that cannot be read are examined, too
+      if (const std::string end = lowerExtension(name); end == ".jpg" || end == ".jpeg" || end == ".png" ||
+                                                        end == ".tif" || end == ".tiff")
+        names.push_back(name);
+    std::ranges::sort(names);
   } catch (const fs::filesystem_error& e) {
     fail(ErrorCode::io, "{}: {}", folder.string(), e.code().message());
   }
