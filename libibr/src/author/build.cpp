@@ -21,6 +21,7 @@
 #include "author/picture_folder.h"
 #include "author/plane_labels.h"
 #include "author/read_poses.h"
+#include "author/refine_poses.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
@@ -62,6 +63,23 @@ class Builder {
     return std::move(report_);
   }
 
+  RefinedModel runForPoses() {
+    jobs_.step("reading the model", 0, 1);
+    input_ = readInput(options_, log_);
+    const SingleThreadedOpenCv quiet;
+    hashPhotographs();
+    addOwnTracks(input_, options_, jobs_, log_);
+    PoseRefinement refinement;
+    if (input_.refine) {
+      planCells();
+      makeCells();
+      jobs_.step("refining the poses", 0, 1);
+      refinement = refinePoses(input_, scene_.cells);
+    }
+    if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
+    return {std::move(input_.model), std::move(refinement)};
+  }
+
  private:
   // Whether to go on.
   bool predict() {
@@ -72,6 +90,15 @@ class Builder {
     const bool wanted = options_.predicted(report_.prediction);
     checkRoom(report_.prediction, options_, log_);
     return wanted;
+  }
+
+  void hashPhotographs() {
+    makeFolders(keptFolder(options_));
+    input_.hashes.resize(input_.photographs.size());
+    double bytes = 0;
+    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, photo.sourcePixels + bytesToLoad(photo));
+    jobs_.runAll("reading photographs", input_.photographs.size(), bytes,
+                 [&](std::size_t i) { input_.hashes[i] = hashPhotograph(input_.photographs[i]); });
   }
 
   void storePhotographs() {
@@ -235,6 +262,14 @@ class Builder {
   std::vector<std::uint64_t> keys_;  // of scene_.cells
 };
 
+std::filesystem::path estimatedPoses(const BuildOptions& options, const ProgressCallback& progress,
+                                     const LogCallback& log) {
+  return estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
+                        options.output / "images"},
+                       progress, log)
+      .model;
+}
+
 }  // namespace
 
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
@@ -251,16 +286,20 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
       told.prediction = predictWithoutPoses(options);
       if (!options.predicted(told.prediction)) return told;
     }
-    posed.model = estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
-                                 options.output / "images"},
-                                progress, log)
-                      .model;
+    posed.model = estimatedPoses(options, progress, log);
   }
   BuildReport report = Builder(posed, progress, log).run();
   report.seconds = watch.seconds();
   report.processorSeconds = processorSeconds() - before;
   report.memory = peakMemory();
   return report;
+}
+
+RefinedModel refinedModel(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+  checkOptions(options);
+  BuildOptions posed = options;
+  if (posesFile(options).empty()) posed.model = estimatedPoses(options, progress, log);
+  return Builder(posed, progress, log).runForPoses();
 }
 
 }  // namespace ibr

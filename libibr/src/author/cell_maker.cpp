@@ -21,7 +21,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 12;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 13;   // of the cells' making: raise it when they come out differently
 constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
 constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundle adjustment within a cell, for matching only (Triggs et al. 2000). A rotation that is wrong by 0.03° puts
+// Bundle adjustment within a cell, for matching only. A rotation that is wrong by 0.03° puts
 // photographs half a pixel off each other, and a plane sweep finds nothing there; what one cell's tracks say about its
 // few members is far more exact than what the whole model settled on. The morph keeps the model's poses.
 //
-//   first member fixed; poses of the others and all points free; soft L1 of the reprojections; a weak prior holds the
-//   poses, and with them the scale; Levenberg–Marquardt, points eliminated (Schur complement)
+// The first member is fixed; poses of the others and all points are free (bundle_adjust.h); a weak prior holds the poses,
+// and with them the scale.
 #pragma once
 
 #include <glm/vec2.hpp>

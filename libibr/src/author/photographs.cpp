@@ -44,6 +44,14 @@ Intrinsics scaled(const Intrinsics& k, double scale) {
   return resized(k, std::max(1, int(std::lround(k.width * scale))), std::max(1, int(std::lround(k.height * scale))));
 }
 
+std::uint64_t hashOf(const Photograph& photo, const std::vector<std::byte>& source, const Image8& picture) {
+  Hash hash;
+  hash.add(kReadingVersion);
+  hash.add(source);
+  if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // says what the lens is, too
+  return hash.value();
+}
+
 }  // namespace
 
 bool isJpeg(const fs::path& path) {
@@ -134,17 +142,17 @@ Image8 storePicture(const Photograph& photo, const fs::path& folder) {
   return picture;
 }
 
+std::uint64_t hashPhotograph(const Photograph& photo) {
+  return hashOf(photo, readFile(photo.source), photo.lens ? loadPhotograph(photo) : Image8());
+}
+
 std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
   const std::vector<std::byte> source = readFile(photo.source);
   const fs::path texture = scene / photo.textureFile;
   const Image8 picture = storePicture(photo, scene);
   makeFolders(texture.parent_path());
   writeKtx2(texture, encodeTexture(buildMips(picture), format));
-  Hash hash;
-  hash.add(kReadingVersion);
-  hash.add(source);
-  if (photo.lens) hash.add(std::as_bytes(std::span(picture.values)));  // says what the lens is, too
-  return hash.value();
+  return hashOf(photo, source, picture);
 }
 
 }  // namespace ibr

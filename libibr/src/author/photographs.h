@@ -63,6 +63,9 @@ void checkNotOverwritten(const Photograph& photograph, const std::filesystem::pa
 /// Writes the picture below `folder`, and gives it back. Throws as checkNotOverwritten does, and Error{io}.
 Image8 storePicture(const Photograph& photograph, const std::filesystem::path& folder);
 
+/// Of the source file's bytes and of what is undistorted.
+std::uint64_t hashPhotograph(const Photograph& photograph);
+
 /// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of
 /// what is undistorted.
 std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses and focal lengths that agree better, by what matching says about all photographs. Needs ibr::author.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ibr/author.h"
+
+namespace ibr {
+
+/// How poses changed when they were refined: one bundle adjustment over the matches of all cells and the model's tracks,
+/// brought back to place, direction and scale of the world before. Px are those of what is matched (2 MP at most).
+struct PoseRefinement {
+  struct Errors {
+    double medianPx = 0, p90Px = 0;  // of reprojections, points placed where they fit best
+  };
+  struct Moved {
+    std::string photograph;
+    double turnPx = 0;       // rotation × focal length
+    double shift = 0;        // of the position, world units
+    double focalFactor = 1;  // of the focal lengths
+  };
+  std::size_t tracksOfCells = 0, tracksOfModel = 0;
+  Errors before, after;
+  std::vector<Moved> moved;  // photographs that share a track; the others stay
+};
+
+struct RefinedModel {
+  PosedModel model;           // with the tracks that the build had, our own included
+  PoseRefinement refinement;  // no photograph moved: poses are exact, or nothing is known of them; the model is as it was
+};
+
+/// Matches the cells of a build with these options and refines poses by them, where they are estimates: where the
+/// model's points reproject exactly, all stays. For builds that are to have them: write the model and name it. It mends
+/// poses that are loose; those that an estimator has settled well it may harm. Of the output only the finished cells are
+/// written, or `finishedCells`. Throws Error as build.
+RefinedModel refinedModel(const BuildOptions& options, const ProgressCallback& progress = {},
+                          const LogCallback& log = {});
+
+}  // namespace ibr
