@@ -9,6 +9,7 @@
 #include "batch/advice_report.h"
 #include "batch/build_options.h"
 #include "batch/command.h"
+#include "batch/refinement_report.h"
 #include "batch/unused.h"
 #include "ibr/author.h"
 #include "shared/progress.h"
@@ -160,6 +161,11 @@ ExitCode buildScene(const Options& options, const Context& context) {
       context.say(LogLevel::info, "{}", predictionText(prediction));
     return !options.dryRun;
   };
+  std::optional<PoseRefinement> refinement;
+  if (options.choices.refinePoses && !options.dryRun) {
+    refinement = refinePosesOf(build, build.output / ".refined", context);
+    if (refinement) context.print("{}\n", text(*refinement));
+  }
   BuildReport report;
   StageSeconds stages;
   {
@@ -173,6 +179,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   }
   printReport(report, stages, build, context);
   Json json = reportJson(report, stages, build);
+  if (refinement) json["refinement"] = app::json(*refinement);
   const Scene scene = loadScene(build.output);
   const CaptureAdvice advice = adviseCapture(scene);
   context.print("\nadvice\n{}", adviceText(advice));
@@ -193,6 +200,7 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --dry-run --json -\n"
         "ibr build photographs -o scene --memory 8G --threads 4\n"
         "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
+        "ibr build photographs -o scene --refine-poses auto\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
         "PHOTOS are photographs; their poses are a COLMAP model (text or binary), transforms.json, or for panoramas a "

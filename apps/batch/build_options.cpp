@@ -9,6 +9,7 @@
 #include "batch/optimise_options.h"
 #include "batch/poses.h"
 #include "shared/options.h"
+#include "shared/progress.h"
 #include "shared/settings.h"
 
 namespace fs = std::filesystem;
@@ -79,6 +80,8 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       app, "--tracks", choices.build.tracks,
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
       "Points that photographs share: the model's, our own, or our own where the model has few [auto]");
+  addChoice<bool>(app, "--refine-poses", choices.refinePoses, {{"auto", true}, {"off", false}},
+                  "auto: mend poses first, as ibr refine does; for those known to be off (ibr refine --help) [off]");
   app.add_flag("--keep-border", choices.build.keepBorder,
                "Keep all of photographs whose lens distorts; what was not photographed is black and in no mesh [the "
                "largest full rectangle]");
@@ -123,6 +126,23 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       });
   const std::vector<CLI::Option*> all = app.get_options();  // in the order of their declaration
   return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
+}
+
+std::optional<PoseRefinement> refinePosesOf(BuildOptions& build, const fs::path& folder, const Context& context) {
+  BuildOptions first = build;  // its finished cells stay until the build has its own
+  if (first.finishedCells.empty()) first.finishedCells = build.output / ".build";
+  RefinedModel refined;
+  {
+    ProgressLine progress(context);
+    refined = refinedModel(first, progress.callback(), context.log());
+  }
+  if (refined.refinement.moved.empty()) return std::nullopt;
+  writeColmapModel(refined.model, folder);
+  build.model = folder;
+  build.transforms.clear();
+  build.panoramas.clear();
+  build.exclude.clear();  // the model is without them
+  return std::move(refined.refinement);
 }
 
 BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photographs, const Context& context) {

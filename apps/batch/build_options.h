@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ibr/author.h"
+#include "ibr/refine_poses.h"
 #include "shared/context.h"
 
 namespace ibr::app {
@@ -15,11 +17,17 @@ namespace ibr::app {
 struct BuildChoices {
   BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are not set yet
   std::string model, transforms, panoramas, excludeFrom;
+  bool refinePoses = false;  // first (ibr/refine_poses.h)
   std::string optimise;  // the optimiser's method; empty: cells stay as they are matched
 };
 
 /// All but the photographs' and the scene's folder. Gives what it declared.
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
+
+/// Refines the poses of a build, where they are estimates, and writes the model to `folder`, for the build to read.
+/// nullopt where nothing is refined: the build stays as it is. Throws Error.
+std::optional<PoseRefinement> refinePosesOf(BuildOptions& build, const std::filesystem::path& folder,
+                                            const Context& context);
 
 /// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
 /// building runs COLMAP. Throws Error.

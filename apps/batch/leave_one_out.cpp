@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "batch/file_hash.h"
 #include "batch/poses.h"
+#include "batch/refinement_report.h"
 #include "ibr/author.h"
 #include "shared/progress.h"
 #include "shared/settings.h"
@@ -150,12 +151,18 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
         options.photographs);
   const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // the key is not known yet
   build.output = options.work.empty() ? anywhere : fs::path(options.work);
-  const PosedPhotographs photographs(build, context.log());
-  const std::uint64_t key = keyOf(options, build, photographs, context);
+  const std::uint64_t key = keyOf(options, build, PosedPhotographs(build, context.log()), context);
   // The same command finds it again.
   const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
                                              : fs::path(options.work);
   build.output = work;
+  std::optional<PoseRefinement> refinement;
+  if (choices.refinePoses) {  // once, with all photographs, as they were estimated: the truth's pose fits the others'
+    build.finishedCells = work / "cells";
+    refinement = refinePosesOf(build, work / "refined", context);
+    if (refinement) context.print("{}\n", text(*refinement));
+  }
+  const PosedPhotographs photographs(build, context.log());
   const std::vector<std::size_t> chosen = chosenViews(photographs, options);
   std::vector<View> views;
   for (const std::size_t i : chosen) views.push_back({photographs.images()[i].name, photographs.images()[i].camera});
@@ -180,14 +187,14 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     }
     progress.show({"leaving out", views.size(), views.size()});
   }
-  reportOutcomes(outcomes, evaluation,
-                 {{"device", run.device()},
-                  {"settings", settingsJson(evaluation.settings, evaluation.gpuScene)},
-                  {"photographs", options.photographs},
-                  {"model", poses.string()},
-                  {"cellsMatched", run.counts().matched},
-                  {"cellsShared", run.counts().shared}},
-                 context);
+  Json about{{"device", run.device()},
+             {"settings", settingsJson(evaluation.settings, evaluation.gpuScene)},
+             {"photographs", options.photographs},
+             {"model", poses.string()},
+             {"cellsMatched", run.counts().matched},
+             {"cellsShared", run.counts().shared}};
+  if (refinement) about["refinement"] = json(*refinement);
+  reportOutcomes(outcomes, evaluation, std::move(about), context);
   context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
                 run.counts().shared);
   fs::remove_all(work / ".scene-without-one");

@@ -15,10 +15,9 @@ namespace ibr::app {
 namespace {
 
 constexpr std::array kCommands{
-    &kBuildCommand,  &kOptimiseCommand, &kSweepCommand,    &kInfoCommand, &kValidateCommand,
-    &kRenderCommand, &kEvalCommand,     &kAccuracyCommand, &kWalkCommand, &kCompareCommand,
-    &kBenchCommand,  &kSynthCommand,    &kSplitCommand,    &kHtmCommand,  &kDeviceCommand,
-    &kDoctorCommand,
+    &kBuildCommand,  &kRefineCommand, &kOptimiseCommand, &kSweepCommand,  &kInfoCommand,    &kValidateCommand,
+    &kRenderCommand, &kEvalCommand,   &kAccuracyCommand, &kWalkCommand,   &kCompareCommand, &kBenchCommand,
+    &kSynthCommand,  &kSplitCommand,  &kHtmCommand,      &kDeviceCommand, &kDoctorCommand,
 };
 
 // Examples come first: most readers want one of them.

@@ -15,6 +15,7 @@
 #include "batch/synth_court.h"
 #include "batch/synth_grid.h"
 #include "batch/synth_moving.h"
+#include "batch/synth_noise.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
@@ -31,12 +32,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-enum class Kind { planes, roomPano, roomMixed, grid, moving, court };
+enum class Kind { planes, roomPano, roomMixed, grid, moving, court, noise };
 
 struct Options {
   Kind kind = Kind::planes;
   std::string output;
   int members = 3, views = 8, side = 10, frames = 8, photographs = 50;
+  NoiseOptions noise;
   PictureSize size;
   TextureFormat texture = TextureFormat::rgba8;
 };
@@ -130,6 +132,11 @@ ExitCode synthesise(const Options& options, const Context& context) {
     return synthesiseMoving({options.output, options.frames, options.views, options.size}, context);
   if (options.kind == Kind::court)
     return synthesiseCourt({options.output, options.photographs, options.views, options.size}, context);
+  if (options.kind == Kind::noise) {
+    NoiseOptions noise = options.noise;
+    noise.output = options.output;
+    return synthesiseNoise(noise, context);
+  }
   const fs::path folder = options.output, truth = folder / "truth";
   const std::uint64_t seed = context.options().seed;
   const SyntheticOptions wanted = optionsOf(options, seed);
@@ -193,6 +200,7 @@ const Command kSynthCommand{
         "ibr synth grid -o grid --side 100 --size 512x512 --texture bc1\n"
         "ibr synth moving -o figure --frames 25\n"
         "ibr synth court -o court --photographs 300 && ibr build court/images -o scene\n"
+        "ibr synth noise --model colmap/sparse/0 --pixels 1 --track-pixels 0.5 -o noisy\n"
         "ibr eval room --truth room/truth -o compared",
     .details =
         "KIND: planes, a wall and two boards before it; room-pano, a room around panoramas; room-mixed, the same with "
@@ -201,7 +209,8 @@ const Command kSynthCommand{
         "a "
         "folder with mesh.ply (a little wrong) and mesh_exact.ply, images, masks, sparse and truth, as `ibr htm build` "
         "takes them. court, no scene, but photographs to build one from: a walk around a court, each photograph as "
-        "near to the next however many there are, and their COLMAP model with tracks. SCENE/truth gets views with "
+        "near to the next however many there are, and their COLMAP model with tracks. noise, no scene, but a "
+        "COLMAP model's poses, each off by chance: what ibr refine is measured with. SCENE/truth gets views with "
         "their pictures, as eval reads them: inside the cell, and "
         "every third "
         "one a little outside. The same seed makes the same scene.",
@@ -214,7 +223,8 @@ const Command kSynthCommand{
                        {"room-mixed", Kind::roomMixed},
                        {"grid", Kind::grid},
                        {"moving", Kind::moving},
-                       {"court", Kind::court}},
+                       {"court", Kind::court},
+                       {"noise", Kind::noise}},
                       "What to generate")
           ->required();
       app.add_option("-o,--output", options->output, "Scene folder; made where it is missing")
@@ -225,8 +235,26 @@ const Command kSynthCommand{
       addInt(app, "--frames", options->frames, 1, 10000, "moving: frames of one period");
       addInt(app, "--photographs", options->photographs, 2, 10000, "court: photographs along the walk");
       addInt(app, "--side", options->side, 2, 1000, "grid: photographs along each side");
+      auto* model =
+          app.add_option("--model", options->noise.model, "noise: COLMAP model to start from")->type_name("DIR");
+      for (CLI::Option* option :
+           {addDouble(app, "--pixels", options->noise.pixels, 0, 1000,
+                      "noise: rotations move the picture's middle by so much, px, root mean square"),
+            addDouble(app, "--shift", options->noise.shift, 0, 1e9,
+                      "noise: positions, world units, root mean square"),
+            addDouble(app, "--focal", options->noise.focalPercent, -50, 100, "noise: all focal lengths, percent more"),
+            addDouble(app, "--track-pixels", options->noise.trackPixels, 0, 1000,
+                      "noise: deviation of observations along each axis, px"),
+            app.add_flag_callback(
+                "--no-tracks", [options] { options->noise.tracks = false; }, "noise: without the model's points")})
+        option->needs(model);
       declareTextureFormat(app, options->texture);
       addSize(app, "--size", options->size, "Size of the photographs [640x480; of panoramas 1024x512, moving 512x512]");
+      app.callback([options] {
+        if ((options->kind == Kind::noise) == options->noise.model.empty())
+          throw CLI::ValidationError("--model",
+                                     options->noise.model.empty() ? "noise needs one" : "only noise takes one");
+      });
       return [options](const Context& context) { return synthesise(*options, context); };
     }};
 

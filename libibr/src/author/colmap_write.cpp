@@ -4,6 +4,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
 
+#include "author/colmap_records.h"
+#include "author/lens.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/author.h"
@@ -24,6 +26,28 @@ void checkName(const std::string& name) {
         "\"{}\" cannot be the name of an image in a COLMAP text model", name);
 }
 
+// As cameras.txt has it, after the camera's number.
+std::string cameraText(const PosedImage& image) {
+  if (const auto& lens = image.lens) {
+    std::string text =
+        fmt::format("{} {} {}", colmap::kModelKinds[std::size_t(lens->model())].name, lens->width(), lens->height());
+    for (const double v : parametersOf(*lens)) append(text, " {}", v);
+    return text;
+  }
+  const Intrinsics& k = image.camera.intrinsics;
+  return k.model == CameraModel::equirectangular
+             ? fmt::format("EQUIRECTANGULAR {} {} {} {}", k.width, k.height, k.width, k.height)
+             : fmt::format("PINHOLE {} {} {} {} {} {}", k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+}
+
+// Where it is seen in the photograph as it was taken.
+glm::dvec2 taken(const PosedImage& image, glm::dvec2 pixel) {
+  const auto seen = image.lens ? image.lens->project(unproject(image.camera.intrinsics, pixel)) : std::optional(pixel);
+  check(seen.has_value(), ErrorCode::invalidInput, "{}: its lens does not see what is observed at {}, {}", image.name,
+        pixel.x, pixel.y);
+  return *seen;
+}
+
 }  // namespace
 
 void writeColmapModel(const PosedModel& model, const std::filesystem::path& folder) {
@@ -39,23 +63,21 @@ void writeColmapModel(const PosedModel& model, const std::filesystem::path& fold
       check(o.image < model.images.size(), ErrorCode::invalidInput, "track {} is seen by image {} of {}", t, o.image,
             model.images.size());
       append(points, " {} {}", o.image + 1, count[o.image]++);
-      append(seen[o.image], "{}{} {} {}", seen[o.image].empty() ? "" : " ", o.pixel.x, o.pixel.y, t + 1);
+      const glm::dvec2 pixel = taken(model.images[o.image], o.pixel);
+      append(seen[o.image], "{}{} {} {}", seen[o.image].empty() ? "" : " ", pixel.x, pixel.y, t + 1);
     }
     points += '\n';
   }
-  std::vector<Intrinsics> known;
+  std::vector<std::string> known;
   for (std::size_t i = 0; i < model.images.size(); ++i) {
     const std::string& name = model.images[i].name;
     const Camera& camera = model.images[i].camera;
     checkName(name);
-    const Intrinsics& k = camera.intrinsics;
-    auto number = std::size_t(std::ranges::find(known, k) - known.begin());
+    const std::string text = cameraText(model.images[i]);
+    const auto number = std::size_t(std::ranges::find(known, text) - known.begin());
     if (number == known.size()) {
-      known.push_back(k);
-      if (k.model == CameraModel::equirectangular)
-        append(cameras, "{} EQUIRECTANGULAR {} {} {} {}\n", number + 1, k.width, k.height, k.width, k.height);
-      else
-        append(cameras, "{} PINHOLE {} {} {} {} {} {}\n", number + 1, k.width, k.height, k.fx, k.fy, k.cx, k.cy);
+      known.push_back(text);
+      append(cameras, "{} {}\n", number + 1, text);
     }
     const glm::dquat halfTurnAboutX(0.0, 1.0, 0.0, 0.0);  // y up, −z forward → y down, z forward
     const glm::dquat q = glm::conjugate(camera.pose.rotation * halfTurnAboutX);

@@ -127,6 +127,36 @@ std::size_t parameterCount(LensModel model) {
   return kParameterCounts[std::size_t(model)];
 }
 
+std::vector<double> parametersOf(const Lens& lens) {
+  std::vector<double> list{lens.focal().x};
+  if (!isSimple(lens.model())) list.push_back(lens.focal().y);
+  list.insert(list.end(), {lens.centre().x, lens.centre().y});
+  const LensDistortion& l = lens.distortion();
+  const auto add = [&](const auto& values, std::size_t from, std::size_t to) {
+    list.insert(list.end(), values.begin() + std::ptrdiff_t(from), values.begin() + std::ptrdiff_t(to));
+  };
+  if (lens.model() == LensModel::fov) {
+    list.push_back(l.omega);
+    return list;
+  }
+  const std::size_t count = parameterCount(lens.model()) - list.size();
+  if (lens.model() == LensModel::opencvFisheye) {
+    add(l.numerator, 0, 4);
+    return list;
+  }
+  add(l.numerator, 0, std::min<std::size_t>(count, 2));
+  if (count >= 4) add(l.tangential, 0, 2);
+  if (lens.model() == LensModel::fullOpencv) {
+    add(l.numerator, 2, 3);
+    add(l.denominator, 0, 3);
+  }
+  if (lens.model() == LensModel::thinPrismFisheye) {
+    add(l.numerator, 2, 4);
+    add(l.prism, 0, 2);
+  }
+  return list;
+}
+
 RadialValue radial(const LensDistortion& l, double r) {
   const Factor h = factor(l, r * r);
   return {r * h.value, h.value + 2 * r * r * h.slope};

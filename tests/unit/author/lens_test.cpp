@@ -8,7 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "ibr/author.h"
 #include "ibr/error.h"
+#include "support/temporary_folder.h"
 
 using namespace ibr;
 
@@ -206,5 +208,28 @@ TEST_CASE("impossible lenses are refused, impossible questions answered with not
     CHECK_FALSE(lens.project({nan, 0, -1}));
     CHECK_FALSE(lens.unproject({nan, 0}));
     CHECK_FALSE(lens.unproject({std::numeric_limits<double>::infinity(), 0}));
+  }
+}
+
+TEST_CASE("a lens gives its parameters back, and a written model is read with the same lenses") {
+  PosedModel model;
+  for (const Kind& kind : kinds()) {
+    const Lens lens(kind.model, kWidth, kHeight, kind.mild);
+    CHECK(parametersOf(lens) == kind.mild);
+    if (!lens.distorts()) continue;
+    const Camera camera{undistorted(lens), {{double(model.images.size()), 0, 0}, {1, 0, 0, 0}}};
+    const auto seen = undistort(glm::dvec2(250, 200), lens, camera.intrinsics);
+    REQUIRE(seen);
+    model.tracks.push_back({{0, 0, -5}, {{std::uint32_t(model.images.size()), *seen}}});
+    model.images.push_back({std::string(1, char('a' + model.images.size())) + ".jpg", camera, lens});
+  }
+  test::TemporaryFolder folder;
+  writeColmapModel(model, folder / "model");
+  const PosedModel read = readColmapModel(folder / "model");
+  REQUIRE(read.images.size() == model.images.size());
+  for (std::size_t i = 0; i < model.images.size(); ++i) {
+    CHECK((read.images[i].lens == model.images[i].lens));
+    CHECK(read.images[i].camera.intrinsics == model.images[i].camera.intrinsics);
+    CHECK(glm::distance(read.tracks[i].observations[0].pixel, model.tracks[i].observations[0].pixel) < 1e-6);
   }
 }
