@@ -35,7 +35,10 @@ constexpr Way kWays[]{
 
 TextureSource encodedAs(TextureFormat format) {
   return [format](const Scene& scene, std::size_t node, int firstLevel) {
-    return encodeTexture(decodeTexture(readKtx2(scene.folder / scene.nodes[node].textureFile, firstLevel)), format);
+    const Node& photograph = scene.nodes[node];
+    const bool alpha = format == TextureFormat::bc1 && !photograph.maskFile.empty();  // as a build stores it
+    return encodeTexture(decodeTexture(readKtx2(scene.folder / photograph.textureFile, firstLevel)),
+                         alpha ? TextureFormat::bc7 : format);
   };
 }
 

@@ -105,6 +105,13 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
     context.print("{}{}\n", dropped.text(), restText(report.dropped.size() - rows));
   }
   context.print("{}", unusedText(report.unused));
+  if (!report.masks.empty()) {
+    Table masks;
+    masks.row({"masked photograph", "given", "moved"});
+    for (const auto& [photograph, given, moved] : report.masks)
+      masks.row({photograph, fmt::format("{:.2f} %", 100 * given), fmt::format("{:.2f} %", 100 * moved)});
+    context.print("{}\n", masks.text());
+  }
   for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
   context.print("{:>9.1f} s  in all ({} were predicted), at most {} of memory (of {})\n\n", report.seconds,
                 durationText(report.prediction.seconds), bytesText(report.memory), bytesText(report.prediction.memory));
@@ -118,6 +125,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
             {"model", report.poses.string()},
             {"cells", Json::array()},
             {"backdrops", Json::array()},
+            {"masks", Json::array()},
             {"dropped", Json::array()},
             {"unused", unusedJson(report.unused)},
             {"stages", Json::array()},
@@ -146,6 +154,8 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
                                  {"known", backdrop.known},
                                  {"seconds", backdrop.seconds},
                                  {"resumed", backdrop.resumed}});
+  for (const auto& [photograph, given, moved] : report.masks)
+    json["masks"].push_back({{"photograph", photograph}, {"given", given}, {"moved", moved}});
   for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
   for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
   return json;
@@ -199,6 +209,7 @@ const Command kBuildCommand{
         "ibr build photographs --transforms transforms.json -o scene\n"
         "ibr build photographs -o scene --dry-run --json -\n"
         "ibr build photographs -o scene --memory 8G --threads 4\n"
+        "ibr build photographs -o scene --masks masks\n"
         "ibr build photographs -o scene --matcher homographic --triangle-filter homogeneous\n"
         "ibr build photographs -o scene --refine-poses auto\n"
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",

@@ -90,6 +90,12 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
       "How photographs that EXIF says are turned lie before their cameras: as stored (COLMAP), or upright [auto: as "
       "their shapes say]");
+  app.add_option("--masks", choices.build.masks,
+                 "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
+                 "neither matched nor shown")
+      ->type_name("DIR");
+  addChoice<bool>(app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
+                  "Mask what one photograph alone shows where two others agree on something else: people, cars [keep]");
   app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
       ->type_name("NAME...");
   app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");

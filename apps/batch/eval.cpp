@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "author/masks.h"
 #include "base/check.h"
 #include "batch/build_options.h"
 #include "batch/command.h"
@@ -12,6 +13,7 @@
 #include "batch/leave_one_out.h"
 #include "batch/poses.h"
 #include "batch/truth.h"
+#include "io/image_file.h"
 #include "shared/options.h"
 #include "shared/progress.h"
 #include "shared/settings.h"
@@ -27,6 +29,20 @@ struct Options {
   BuildChoices build;
 };
 
+// Of a view whose truth has one below the folder, else empty. Throws Error that names the file.
+Image8 maskOf(const std::string& view, const Image8& truth, const std::filesystem::path& folder) {
+  const auto file = folder.empty() ? std::nullopt : maskFileOf(folder, view);
+  if (!file) return {};
+  const Image8 picture = readImage(*file);
+  check(picture.width == truth.width && picture.height == truth.height, ErrorCode::invalidInput,
+        "{}: the mask is {} × {} px, the truth {} × {}", file->string(), picture.width, picture.height, truth.width,
+        truth.height);
+  Image8 mask(picture.width, picture.height, 1);
+  for (std::size_t p = 0; p < mask.values.size(); ++p)
+    mask.values[p] = picture.values[p * std::size_t(picture.channels)] ? 255 : 0;
+  return mask;
+}
+
 ExitCode evaluate(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const Truth truth(options.truth, options.views, context.log());
@@ -41,7 +57,8 @@ ExitCode evaluate(const Options& options, const Context& context) {
     ProgressLine progress(context);
     for (std::size_t i = 0; i < views.size(); ++i) {
       check(progress.show({"evaluating", i, views.size()}), ErrorCode::cancelled, "stopped");
-      outcomes.push_back(evaluator.evaluate(views[i], truth.picture(views[i])));
+      const Image8 picture = truth.picture(views[i]);
+      outcomes.push_back(evaluator.evaluate(views[i], picture, maskOf(views[i].name, picture, options.build.build.masks)));
     }
     progress.show({"evaluating", views.size(), views.size()});
   }
@@ -75,7 +92,7 @@ const Command kEvalCommand{
         "each photograph and renders its view; options of ibr build apply. Cells that do not have the photograph are matched "
         "once for all views where points are the model's; tracks of our own (--tracks own, and auto where the model has "
         "few) change with what is left out, so that cells are matched anew. "
-        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. "
+        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. What a mask of the truth covers (--masks) is left out of all of them. "
         "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until the "
         "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
     .afterInterrupt = "What was finished of --leave-one-out is kept: run the same command again.",
@@ -108,7 +125,8 @@ const Command kEvalCommand{
                                     "Of --leave-one-out: folder for what is built; kept, so that the next run with "
                                     "other settings need not match again [a temporary one, gone at the end]")
                          ->type_name("DIR"));
-      for (CLI::Option* option : declareBuildOptions(app, options->build)) only.push_back(option);
+      for (CLI::Option* option : declareBuildOptions(app, options->build))
+        if (option->get_name() != "--masks") only.push_back(option);  // of the truth: there it does not count
       for (CLI::Option* option : only) option->needs(rebuilt);
       app.callback([options, &app] {
         if (!options->leaveOneOut.photographs.empty()) {

@@ -115,11 +115,11 @@ void Evaluator::write(const fs::path& folder, const View& view, const Image8& pi
   writeImage(file, sideBySide({shown, truth, absoluteDifference(shown, truth, kDifferenceGain)}));
 }
 
-ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth) {
+ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Image8& used) {
   // A driver compiles on first use: the first picture is made twice, and the second is timed.
   if (std::exchange(first_, false)) render(view.camera, options_.settings);
   const SceneRenderer::Picture ours = render(view.camera, options_.settings);
-  ViewOutcome outcome{view.name, score(ours.image, truth, options_.fitGain), {}, {}};
+  ViewOutcome outcome{view.name, score(ours.image, truth, options_.fitGain, used), {}, {}};
   outcome.scores.milliseconds = ours.milliseconds;
   if (ours.buffers) {
     outcome.scores.seam = seamStep(ours.image, ours.buffers->surface, truth);
@@ -128,7 +128,7 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth) {
   if (!options_.pictures.empty()) write(options_.pictures, view, ours.image, truth);
   for (std::size_t b = 0; options_.baselines && b < kBaselines.size(); ++b) {
     const SceneRenderer::Picture other = baseline(b, view.camera);
-    outcome.baselines.push_back(score(other.image, truth, options_.fitGain));
+    outcome.baselines.push_back(score(other.image, truth, options_.fitGain, used));
     outcome.baselines.back().milliseconds = other.milliseconds;
     if (!options_.pictures.empty()) write(options_.pictures / kBaselines[b].first, view, other.image, truth);
   }

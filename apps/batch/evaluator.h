@@ -50,8 +50,8 @@ class Evaluator {
   Evaluator(const Scene& scene, const std::vector<View>& views, const EvaluationOptions& options,
             const Context& context);
 
-  /// Renders, scores and writes pictures. Throws Error.
-  ViewOutcome evaluate(const View& view, const Image8& truth);
+  /// Renders, scores and writes pictures; what is 0 in `used` (one channel, or empty) does not count. Throws Error.
+  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used = {});
 
   std::string deviceName() const { return renderer_.deviceName(); }
 

@@ -96,6 +96,33 @@ Summary summarise(const Scene& scene) {
   return summary;
 }
 
+// Of a photograph that its mask takes away; NaN where the mask cannot be read.
+double maskedShare(const Scene& scene, const Node& node, const Context& context) {
+  try {
+    const Image8 mask = readImage(scene.folder / node.maskFile);
+    std::size_t ignored = 0;
+    for (std::size_t p = 0; p < mask.values.size(); p += std::size_t(mask.channels)) ignored += mask.values[p] == 0;
+    return double(ignored) * mask.channels / double(mask.values.size());
+  } catch (const Error& e) {
+    context.say(LogLevel::warning, "{}", e.what());
+    return std::nan("");
+  }
+}
+
+// Photographs that have a mask, and how much of each it takes.
+void showMasks(const Scene& scene, const Context& context, Json& report) {
+  report["masks"] = Json::array();
+  Table masks;
+  masks.row({"masked photograph", "share", "mask"});
+  for (const Node& node : scene.nodes) {
+    if (node.maskFile.empty()) continue;
+    const double share = maskedShare(scene, node, context);
+    masks.row({node.name, numberText(share, 4), node.maskFile.string()});
+    report["masks"].push_back({{"photograph", node.name}, {"share", share}, {"file", node.maskFile.string()}});
+  }
+  if (!report["masks"].empty()) context.print("{}\n", masks.text());
+}
+
 std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
   std::vector<std::string> names;
   for (const std::uint32_t member : cell.members) names.push_back(scene.nodes[member].name);
@@ -169,6 +196,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   }
   context.print("{}\n", cells.text());
   context.print("{}", unusedText(scene.unused));
+  showMasks(scene, context, report);
 
   context.print("photographs  {}", scene.nodes.size());
   for (const auto& [size, count] : summary.sizes) context.print(", {} of {}×{}", count, size.first, size.second);

@@ -52,6 +52,7 @@ std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build
   addProgram(hash);
   for (const PosedImage& image : photographs.images()) addFile(hash, fs::path(options.photographs) / image.name);
   if (!build.model.empty()) addFolder(hash, build.model);
+  if (!build.masks.empty()) addFolder(hash, build.masks);
   for (const std::string& word : options.words) {
     std::error_code ignored;
     hash.add(word);
@@ -71,11 +72,11 @@ class LeaveOneOut {
     build_.finishedCells = work_ / "cells";
   }
 
-  ViewOutcome evaluate(const View& view, const Image8& truth, ProgressLine& progress, Progress place) {
+  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress, Progress place) {
     if (auto kept = fetch(view.name)) return *kept;
     ViewOutcome outcome;
     try {
-      outcome = rebuiltWithout(view, truth, progress, place);
+      outcome = rebuiltWithout(view, truth, used, progress, place);
     } catch (const Error& e) {
       // What this photograph alone can be to blame for.
       if (e.code() != ErrorCode::invalidInput && e.code() != ErrorCode::unsupported) throw;
@@ -116,7 +117,7 @@ class LeaveOneOut {
     }
   }
 
-  ViewOutcome rebuiltWithout(const View& view, const Image8& truth, ProgressLine& progress, Progress place) {
+  ViewOutcome rebuiltWithout(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress, Progress place) {
     BuildOptions build = build_;
     build.exclude.push_back(view.name);
     fs::remove_all(build.output);
@@ -126,7 +127,7 @@ class LeaveOneOut {
     check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without it");
     Evaluator evaluator(scene, {view}, evaluation_, context_);
     device_ = evaluator.deviceName();
-    return evaluator.evaluate(view, truth);
+    return evaluator.evaluate(view, truth, used);
   }
 
   BuildOptions build_;
@@ -181,7 +182,8 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Progress place{"leaving out", i, views.size()};
       check(progress.show(place), ErrorCode::cancelled, "stopped");
-      outcomes.push_back(run.evaluate(views[i], photographs.picture(chosen[i]), progress, place));
+      outcomes.push_back(run.evaluate(views[i], photographs.picture(chosen[i]), photographs.mask(chosen[i]), progress,
+                                      place));
       if (const auto& failure = outcomes.back().failure; !failure.empty())
         context.say(LogLevel::warning, "{}: {}", views[i].name, failure);
     }

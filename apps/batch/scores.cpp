@@ -42,13 +42,59 @@ bool isShown(const Figure& figure, bool withGain) {
   return figure.shown == Shown::always || (figure.shown == Shown::withGain && withGain);
 }
 
+// FLIP has no mask: what does not count is made the same, and the mean is over the rest.
+double flipOfPart(const Image8& prediction, const Image8& truth, const Image8& used, double share) {
+  Image8 same = prediction;
+  for (int y = 0; y < used.height; ++y)
+    for (int x = 0; x < used.width; ++x)
+      if (!used.pixel(x, y)[0]) std::copy_n(truth.pixel(x, y).begin(), 3, same.pixel(x, y).begin());
+  return flip(same, truth) / share;
+}
+
+// Shares are of what counts.
+Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used) {
+  Image8 cover = coverOf(prediction);
+  std::array<double, 4> tiers{};
+  double count = 0, covered = 0;
+  for (int y = 0; y < used.height; ++y)
+    for (int x = 0; x < used.width; ++x) {
+      std::uint8_t& here = cover.pixel(x, y)[0];
+      if (!used.pixel(x, y)[0]) {
+        here = 0;
+        continue;
+      }
+      ++count;
+      if (!here) continue;
+      ++covered;
+      ++tiers[std::size_t((255 - prediction.pixel(x, y)[3]) / 64)];
+    }
+  Scores scores;
+  if (count == 0) return scores;
+  scores.psnr = psnr(prediction, truth, used);
+  scores.ssim = ssim(prediction, truth, used);
+  scores.flip = flipOfPart(prediction, truth, used, count / double(used.values.size()));
+  scores.coverage = covered / count;
+  scores.coverageTier0 = tiers[kTierAgrees] / count;
+  scores.coverageTier1 = tiers[kTierRejected] / count;
+  scores.coverageTier2 = tiers[kTierBackdrop] / count;
+  scores.psnrCovered = psnr(prediction, truth, cover);
+  scores.ssimCovered = ssim(prediction, truth, cover);
+  if (fitGain) {
+    const Image8 fitted = gainFitted(prediction, truth, cover);
+    scores.psnrGain = psnr(fitted, truth, used);
+    scores.psnrCoveredGain = psnr(fitted, truth, cover);
+  }
+  return scores;
+}
+
 }  // namespace
 
 Scores::Scores() {
   for (const Figure& figure : kFigures) this->*figure.value = std::nan("");
 }
 
-Scores score(const Image8& prediction, const Image8& truth, bool fitGain) {
+Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used) {
+  if (!used.empty()) return scoreOfPart(prediction, truth, fitGain, used);
   const Image8 mask = coverOf(prediction);
   const std::array<double, 4> tiers = tierShares(prediction);
   Scores scores;

@@ -19,8 +19,9 @@ struct Scores {
 };
 
 /// `prediction`: RGBA, alpha of AlphaContent::tier, its holes black. `fitGain`: also psnrGain and psnrCoveredGain. The
-/// last three figures are left to the caller. Precondition: equal sizes.
-Scores score(const Image8& prediction, const Image8& truth, bool fitGain);
+/// last three figures are left to the caller. What is 0 in `used`, of the truth, is left out; it may be empty.
+/// Precondition: equal sizes.
+Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used = {});
 
 /// Each figure by its name.
 nlohmann::ordered_json scoresJson(const Scores& scores);

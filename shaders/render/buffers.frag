@@ -25,13 +25,21 @@ void main() {
   vec3 colours[kMaxMembers];
   vec4 weights = vec4(0.0);
   vec3 mean = vec3(0.0);
-  for (int i = 0; i < kMembers; ++i) {
-    weights[i] = cells[inCell].member[i].blend;
-    colours[i] = vec3(0.0);
-    if (weights[i] <= 0.0) continue;
-    const float last = ceil(samplings[i].reach);
-    for (float k = -last; k <= last; ++k) colours[i] += tap(i, i, samplings[i], k);
-    mean += weights[i] * colours[i];
+  for (int i = 0; i < kMembers; ++i) weights[i] = cells[inCell].member[i].blend;
+  if (kMasked) {
+    const Shown shown = shownMembers(samplings, weights);
+    weights = shown.weights;
+    colours = shown.colour;
+    if (weights == vec4(0.0)) discard;
+    for (int i = 0; i < kMembers; ++i) mean += weights[i] * colours[i];
+  } else {
+    for (int i = 0; i < kMembers; ++i) {
+      colours[i] = vec3(0.0);
+      if (weights[i] <= 0.0) continue;
+      const float last = ceil(samplings[i].reach);
+      for (float k = -last; k <= last; ++k) colours[i] += tap(i, i, samplings[i], k).rgb;
+      mean += weights[i] * colours[i];
+    }
   }
   float variance = 0.0;
   for (int i = 0; i < kMembers; ++i)

@@ -21,6 +21,7 @@ layout(constant_id = 4) const uint kBlending = kBlend;
 layout(constant_id = 9) const bool kCubic = false;  // sharper where a photograph is magnified
 
 layout(constant_id = 11) const bool kExposed = false;  // photographs have gains
+layout(constant_id = 12) const bool kMasked = false;  // a member's photograph has a mask: the alpha of its texture
 
 layout(location = 0) in vec3 inTexture[kMaxMembers];
 layout(location = 4) flat in uint inCell;
@@ -35,11 +36,11 @@ layout(set = kSetCell, binding = 3) uniform sampler2DArray photograph3;
 
 // Gradients come from outside: implicit ones would measure the parallax between members wherever the choice of a member
 // changes from one pixel to the next. Samplers are not indexed, since not every device can.
-vec3 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
-  if (slot == 0) return textureGrad(photograph0, coordinate, dx, dy).rgb;
-  if (slot == 1) return textureGrad(photograph1, coordinate, dx, dy).rgb;
-  if (slot == 2) return textureGrad(photograph2, coordinate, dx, dy).rgb;
-  return textureGrad(photograph3, coordinate, dx, dy).rgb;
+vec4 photograph(int slot, vec3 coordinate, vec2 dx, vec2 dy) {
+  if (slot == 0) return textureGrad(photograph0, coordinate, dx, dy);
+  if (slot == 1) return textureGrad(photograph1, coordinate, dx, dy);
+  if (slot == 2) return textureGrad(photograph2, coordinate, dx, dy);
+  return textureGrad(photograph3, coordinate, dx, dy);
 }
 
 vec3 texel(int slot, ivec3 at) {
@@ -109,21 +110,21 @@ Sampling sampling(int member, float detail) {
 }
 
 // Share of tap k, −reach to reach, in what `member` shows, by the sampler in `slot`. All of a pinhole is tap 0.
-vec3 tap(int slot, int member, Sampling s, float k) {
+vec4 tap(int slot, int member, Sampling s, float k) {
   const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
   const vec3 coordinate = vec3(s.at.x + k * s.spacing, s.at.y, float(cells[inCell].member[member].layer));
-  vec3 colour = photograph(slot, coordinate, s.dx, s.dy);
+  vec4 colour = photograph(slot, coordinate, s.dx, s.dy);
   if (kCubic) {  // as far as the finest level shows
     const vec2 size = photographSize(slot);
     const float coarser = log2(max(max(length(s.dx * size), length(s.dy * size)), 1.0));
     if (coarser < 1.0) {
-      const vec3 linear = photograph(slot, coordinate, vec2(0.0), vec2(0.0));
-      colour += (1.0 - coarser) * (cubic(slot, coordinate, isPanorama(member)) - linear);
+      const vec3 linear = photograph(slot, coordinate, vec2(0.0), vec2(0.0)).rgb;
+      colour.rgb += (1.0 - coarser) * (cubic(slot, coordinate, isPanorama(member)) - linear);
     }
   }
   if (kExposed) {
     const CellMember shown = cells[inCell].member[member];
-    colour = exposedColour(colour, shown.gain, shown.slope);
+    colour.rgb = exposedColour(colour.rgb, shown.gain, shown.slope);
   }
   return share * colour;
 }
@@ -135,8 +136,43 @@ float noise(uvec2 pixel) {
 
 bool isDissolved(uvec2 pixel) { return noise(pixel + kDissolveOffset) >= cells[inCell].opacity; }
 
-/// Discards what is dissolved. `pixel`: of the picture, for the noise; `more`: of the texture's detail, 1 as the picture's
-/// size asks for, less for more of it.
+// Where photographs have masks: what the members show, and how much each weighs in that.
+struct Shown {
+  vec3 colour[kMaxMembers];
+  vec4 weights;  // sum 1, or all 0: nothing is left of any member
+};
+
+Shown shownMembers(Sampling samplings[kMaxMembers], vec4 weights) {
+  Shown shown;
+  for (int i = 0; i < kMembers; ++i) {
+    vec4 sum = vec4(0.0);
+    if (weights[i] > 0.0) {
+      const float last = ceil(samplings[i].reach);
+      for (float k = -last; k <= last; ++k) sum += tap(i, i, samplings[i], k);
+    }
+    shown.colour[i] = sum.rgb;
+    weights[i] *= maskShare(sum.a);
+  }
+  const float total = weights[0] + weights[1] + weights[2] + weights[3];
+  shown.weights = total > 0.0 ? weights / total : vec4(0.0);
+  return shown;
+}
+
+// The same as cellColour goes on to. What lies behind shows where nothing is left.
+vec3 maskedColour(uvec2 pixel, Sampling samplings[kMaxMembers], vec4 weights) {
+  const Shown shown = shownMembers(samplings, weights);
+  if (shown.weights == vec4(0.0)) discard;
+  vec3 blended = vec3(0.0), dithered = vec3(0.0);
+  const int chosen = kBlending != kBlend ? ditherMember(shown.weights, noise(pixel)) : 0;
+  for (int i = 0; i < kMembers; ++i) {
+    blended += shown.weights[i] * shown.colour[i];
+    if (i == chosen) dithered = shown.colour[i];
+  }
+  return kBlending == kBlend ? blended : (kBlending == kDither ? dithered : 0.5 * (blended + dithered));
+}
+
+/// Discards what is dissolved, and what masks leave nothing of. `pixel`: of the picture, for the noise; `more`: of the
+/// texture's detail, 1 as the picture's size asks for, less for more of it.
 vec3 cellColour(uvec2 pixel, float more) {
   const float detail = more * inDetail;
   Sampling samplings[kMaxMembers];
@@ -148,6 +184,7 @@ vec3 cellColour(uvec2 pixel, float more) {
     reach = max(reach, samplings[i].reach);
   }
   if (kDissolve && isDissolved(pixel)) discard;
+  if (kMasked) return maskedColour(pixel, samplings, weights);
   vec3 blended = vec3(0.0), dithered = vec3(0.0);
   const int chosen = kBlending != kBlend ? ditherMember(weights, noise(pixel)) : 0;
   // One loop for all members, each of which is dear; without a panorama there is none.
@@ -156,13 +193,13 @@ vec3 cellColour(uvec2 pixel, float more) {
   do {
     if (kBlending != kDither)
       for (int i = 0; i < kMembers; ++i)
-        if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k);
+        if (weights[i] > 0.0) blended += weights[i] * tap(i, i, samplings[i], k).rgb;
     if (kBlending != kBlend) {
       if (kOnePage) {
-        dithered += tap(0, chosen, samplings[chosen], k);
+        dithered += tap(0, chosen, samplings[chosen], k).rgb;
       } else {
         for (int i = 0; i < kMembers; ++i)
-          if (i == chosen) dithered += tap(i, i, samplings[i], k);
+          if (i == chosen) dithered += tap(i, i, samplings[i], k).rgb;
       }
     }
   } while (++k <= last);

@@ -22,11 +22,22 @@ vec3 edges() {
   return mix(mappedCellColour(), rankColour(constants.rank, constants.ranks), edge);
 }
 
+// Of the members; all 0 where masks leave nothing of any.
+vec4 weightsHere() {
+  vec4 weights = vec4(0.0);
+  Sampling samplings[kMaxMembers];
+  for (int i = 0; i < kMembers; ++i) {
+    weights[i] = cells[inCell].member[i].blend;
+    if (kMasked) samplings[i] = sampling(i, inDetail);
+  }
+  if (kMasked) weights = shownMembers(samplings, weights).weights;
+  return weights;
+}
+
 // Of the members, each as much as its photograph is shown.
 vec3 weightsColour() {
   if (constants.tier == 2u) return backdropColour();
-  vec4 weights = vec4(0.0);
-  for (int i = 0; i < kMembers; ++i) weights[i] = cells[inCell].member[i].blend;
+  const vec4 weights = weightsHere();
   vec4 one = vec4(0.0);
   one[kBlending != kBlend ? ditherMember(weights, noise(uvec2(gl_FragCoord.xy))) : 0] = 1.0;
   const vec4 shown = kBlending == kBlend ? weights : kBlending == kDither ? one : 0.5 * (weights + one);
@@ -39,7 +50,7 @@ vec3 weightsColour() {
 // so a window lies on the plane of its middle's triangle.
 float luminanceAt(int member, Sampling here, vec3 coordinate) {
   const vec2 at = isPanorama(member) ? panoramaCoordinate(normalize(coordinate)) : coordinate.xy / coordinate.z;
-  const vec3 colour = photograph(member, vec3(at, float(cells[inCell].member[member].layer)), here.dx, here.dy);
+  const vec3 colour = photograph(member, vec3(at, float(cells[inCell].member[member].layer)), here.dx, here.dy).rgb;
   return dot(colour, vec3(0.299, 0.587, 0.114));
 }
 
@@ -76,7 +87,8 @@ vec3 colourHere() {
     colour = depthColour(inInverseDistance.x * gl_FragCoord.w, cells[inCell].nearDistance);
   if (kOverlay == kOverlayConfidence) colour = confidenceColour(inInverseDistance.x, inInverseDistance.y);
   if (kOverlay == kOverlayAgreement) colour = agreementColour(agreement());
-  if (kDissolve && isDissolved(uvec2(gl_FragCoord.xy))) discard;
+  const bool gone = kMasked && weightsHere() == vec4(0.0);
+  if (gone || (kDissolve && isDissolved(uvec2(gl_FragCoord.xy)))) discard;
   return colour;
 }
 

@@ -24,6 +24,10 @@ inline constexpr glm::uvec2 kDissolveOffset{29,
 const uvec2 kDissolveOffset = uvec2(29, 17);
 #endif
 
+/// Where photographs have masks, a member of a mesh that agrees (tier 0) has at least this weight: where the others are
+/// masked, it is what shows.
+IBR_CONSTANT float kLeastMaskedWeight = 1e-4f;
+
 struct CellMember {
   mat3 toView;     // member's camera axes → virtual camera axes
   vec2 focal;      // of the photograph, in widths and heights
@@ -47,6 +51,12 @@ struct CellParameters {
   float opacity;    // share of pixels that are drawn, chosen by blue noise
   uvec2 noise;      // added to the pixel that noise is looked up for: less than kNoiseSize
 };
+
+/// How much of a member its mask leaves where the mask's texels have this mean: all of it inside, nothing as soon as
+/// half of what is sampled is masked, so that hardly a masked colour is seen.
+IBR_FUNCTION float maskShare(float alpha) {
+  return clamp(2.0f * alpha - 1.0f, 0.0f, 1.0f);
+}
 
 /// Member chosen for random number r, 0 <= r < 1 ([T] eq. 7). Weights sum to 1 but for rounding; the last member that
 /// has any weight takes what rounding leaves over, so that every pixel gets a member that exists.

@@ -33,10 +33,12 @@ struct Texel {
   glm::dvec3 colour{0};  // 0 to 1
   double range = 0;      // as those of Picture
   double levelRange = 0;
+  double alpha = 0;  // 0 to 1
 };
 
 Texel mixed(const Texel& a, double weightA, const Texel& b, double weightB) {
-  return {weightA * a.colour + weightB * b.colour, std::max(a.range, b.range), std::max(a.levelRange, b.levelRange)};
+  return {weightA * a.colour + weightB * b.colour, std::max(a.range, b.range), std::max(a.levelRange, b.levelRange),
+          weightA * a.alpha + weightB * b.alpha};
 }
 
 int wrapped(int x, int width) {
@@ -53,7 +55,9 @@ Texel bilinear(const Image8& image, glm::dvec2 at, bool around) {  // at: 0 to 1
       const int column = around ? wrapped(x0 + i, image.width) : std::clamp(x0 + i, 0, image.width - 1);
       const auto p = image.pixel(column, std::clamp(y0 + j, 0, image.height - 1));
       const glm::dvec3 value(p[0], p[1], p[2]);
-      result.colour += (i ? x - x0 : 1 - (x - x0)) * (j ? y - y0 : 1 - (y - y0)) * value / 255.0;
+      const double weight = (i ? x - x0 : 1 - (x - x0)) * (j ? y - y0 : 1 - (y - y0));
+      result.colour += weight * value / 255.0;
+      result.alpha += weight * p[3] / 255.0;
       low = glm::min(low, value);
       high = glm::max(high, value);
     }
@@ -91,7 +95,12 @@ Texel bicubic(const Image8& image, glm::dvec2 at, bool around) {
 Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around, bool cubic) {
   const double lod = std::clamp(std::log2(std::max(footprint, 1e-30)), 0.0, double(levels.size() - 1));
   const auto fine = std::size_t(lod);
-  const Texel a = cubic && fine == 0 ? bicubic(levels[0], at, around) : bilinear(levels[fine], at, around);
+  Texel a = bilinear(levels[fine], at, around);
+  if (cubic && fine == 0) {
+    const double alpha = a.alpha;  // a mask's edge does not overshoot
+    a = bicubic(levels[0], at, around);
+    a.alpha = alpha;
+  }
   if (fine + 1 >= levels.size() || lod == double(fine)) return a;
   const Texel b = bilinear(levels[fine + 1], at, around);
   const double t = lod - double(fine);
@@ -125,6 +134,7 @@ Texel samplePanorama(const std::vector<Image8>& levels, const Intrinsics& k, glm
       total += weight;
     }
   sum.colour /= total;
+  sum.alpha /= total;
   return sum;
 }
 
@@ -292,10 +302,33 @@ Texel exposed(const Step& step, std::size_t member, Texel texel) {
   return texel;
 }
 
-// `x`, `y`: the pixel; `noise`: what is added to it for the noise.
+// What masks leave of the members' weights, which sum to 1 or are all 0.
+// Returns the range (as of Picture) that a colour at a mask's border has, since weights are texels too; 0 elsewhere;
+// infinite where members are chosen by such weights.
+double masked(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
+              std::array<double, 4>& weights) {
+  double total = 0;
+  bool border = false;
+  for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
+    if (step.tier == kTierAgrees) weights[i] = std::max(weights[i], double(shader::kLeastMaskedWeight));
+    const double alpha = sample(step, t, textures[step.cell.members[i]], i, x, y).alpha;
+    border = border || (weights[i] > 0 && alpha > 0 && alpha < 1);
+    weights[i] *= std::clamp(2 * alpha - 1, 0.0, 1.0);
+    total += weights[i];
+  }
+  for (double& weight : weights) weight = total > 0 ? weight / total : 0;
+  if (!border) return 0;
+  return step.plan.settings.blend == BlendMode::blend ? 4 * 255 / std::max(total, 1e-9)
+                                                      : std::numeric_limits<double>::infinity();
+}
+
+bool isGone(const std::array<double, 4>& weights) {
+  return std::ranges::all_of(weights, [](double weight) { return weight == 0; });
+}
+
+// `x`, `y`: the pixel; `noise`: what is added to it for the noise. `blend`: of the members, sum 1.
 Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y,
-            glm::ivec2 noise, Known& known) {
-  const auto& blend = step.weights.blend;
+            glm::ivec2 noise, const std::array<double, 4>& blend, Known& known) {
   const float random = noiseAt(x + noise.x, y + noise.y);
   const int chosen = shader::ditherMember({float(blend[0]), float(blend[1]), float(blend[2]), float(blend[3])}, random);
   Texel result;
@@ -393,11 +426,17 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
         const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
         if (step.tier == kTierAgrees && std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
         if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
+        std::array<double, 4> blend = step.weights.blend;
+        double border = 0;
+        if (isMasked(step.scene, step.cell)) {
+          border = masked(step, t, textures, x, y, blend);
+          if (isGone(blend)) continue;
+        }
         owners[at].step = index;
         owners[at].depth = z;
-        const Texel texel = shade(step, t, textures, x, y, noise, picture.known[at]);
+        const Texel texel = shade(step, t, textures, x, y, noise, blend, picture.known[at]);
         picture.colour[at] = glm::dvec4(glm::clamp(texel.colour, 0.0, 1.0), (255.0 - 64.0 * step.tier) / 255.0);
-        picture.range[at] = texel.range;
+        picture.range[at] = std::max(texel.range, border);
         picture.levelRange[at] = texel.levelRange;
       }
   }

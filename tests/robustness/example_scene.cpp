@@ -86,6 +86,7 @@ Scene withTroubles(Scene scene) {
   empty.mesh.ratio.resize(2);
   scene.cells.push_back(empty);
   scene.backdrops = {backdropOf(scene, 0)};
+  scene.nodes[1].maskFile = "masks/view1.png";
   scene.settings = R"({"dimension":2,"seed":1})";
   scene.origin = GeographicOrigin{49.45, 11.08, 309.5};
   return scene;
@@ -106,6 +107,8 @@ void writeExampleScene(const fs::path& folder) {
     writeImage(folder / scene.nodes[n].imageFile, made.photographs[n]);
     writeKtx2(folder / scene.nodes[n].textureFile, buildMips(made.photographs[n]));
   }
+  fs::create_directories(folder / "masks");
+  writeImage(folder / scene.nodes[1].maskFile, Image8(64, 96, 1, 255));
   saveScene(scene, folder);
 }
 

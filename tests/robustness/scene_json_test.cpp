@@ -106,6 +106,7 @@ TEST_CASE("what must be there is there") {
                                     "/extensions/IBR_image_graph/photographs/0/camera/fx",
                                     "/extensions/IBR_image_graph/photographs/0/camera/cy",
                                     "/extensions/IBR_image_graph/photographs/0/texture/uri",
+                                    "/extensions/IBR_image_graph/photographs/1/mask/uri",
                                     "/extensions/IBR_image_graph/cells/0/members",
                                     "/extensions/IBR_image_graph/cells/0/tiers",
                                     "/extensions/IBR_image_graph/cells/0/ecc",

@@ -80,6 +80,7 @@ struct PoseOptions {
   std::string program = "colmap";     // looked for along PATH, unless it names a folder
   int threads = 0;                    // 0 = all cores
   std::filesystem::path without;      // pictures below this folder are not meant; may be empty
+  std::filesystem::path masks = {};   // folder of masks (author/masks.h): no features are looked for under them
 };
 struct PoseReport {
   std::filesystem::path model;  // folder of the model, the largest where there are several
@@ -158,6 +159,8 @@ struct BuildOptions {
   std::vector<std::string> exclude;   // image names left out (held out for evaluation)
   Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
+  std::filesystem::path masks;  // folder of masks (author/masks.h): what is 0 there is neither matched nor shown
+  bool removeMovers = false;    // what one photograph alone shows, and two others agree against, is masked
   bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
@@ -198,7 +201,13 @@ struct BuildReport {
     std::string what;    // a cell, by its members' names
     std::string reason;  // for people
   };
+  struct MaskLine {
+    std::string photograph;
+    double given = 0;  // share of it that its mask takes away
+    double moved = 0;  // and that was found to have moved
+  };
   std::filesystem::path poses;  // file or folder that they were read from
+  std::vector<MaskLine> masks;  // of photographs of which something is masked
   std::vector<CellLine> cells;
   std::vector<BackdropLine> backdrops;
   std::vector<Dropped> dropped;          // cells that were refused, or failed when they were matched
@@ -226,6 +235,9 @@ class PosedPhotographs {
 
   /// RGB, of the camera's size. Throws Error.
   Image8 picture(std::size_t image) const;
+
+  /// Its mask where BuildOptions::masks has one: one channel, 0 or 255; else empty. Throws Error.
+  Image8 mask(std::size_t image) const;
 
  private:
   struct State;

@@ -17,6 +17,7 @@ struct Requirements {
   std::uint32_t cells = 0, backdrops = 0;
   std::uint32_t pinholes = 0, panoramas = 0;  // photographs
   std::uint32_t mixedCells = 0;               // with photographs of both kinds
+  std::uint32_t masked = 0;                   // photographs with a mask
   bool rejected = false;                      // there are triangles of tier 1
   bool stretched = false;                     // backdrops have triangles that come after all that agree
   bool severalExposures = true;               // unknown is several

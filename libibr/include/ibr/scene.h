@@ -29,6 +29,9 @@ struct Node {
   /// Red, green, blue: the photograph times this, in linear light, is as bright and as white as the others are
   /// (author/exposure.h). 1 where it is not known; 1 / kLargestGain to kLargestGain.
   glm::dvec3 gain{1.0};
+  /// Grey PNG of the photograph's size, 0 where it is not to be shown: people who passed by. Relative to the scene's
+  /// folder; empty: all of it is. It is also the texture's alpha, which is what renders: not of TextureFormat::bc1.
+  std::filesystem::path maskFile = {};
 };
 inline constexpr double kLargestGain = 4096;
 
@@ -112,6 +115,9 @@ struct Fault {
 /// indices in range, members different, sizes equal, values finite and in range, rotations of unit length (1e-3).
 /// Files are not looked at.
 std::vector<Fault> validate(const Scene& scene, std::size_t limit = 100);
+
+/// Whether a member's photograph has a mask.
+bool isMasked(const Scene& scene, const Cell& cell);
 
 /// The scene point of a vertex: mean over members of c_i + (a_i / ρ) r_i. nullopt where ρ = 0 or the mean is not
 /// finite.

@@ -6,14 +6,13 @@
 namespace ibr {
 namespace {
 
-constexpr double kCorrelation = 0.5;  // of 7×7 windows; or …
-constexpr double kAlike = 20.0;       // … their RMS difference, grey levels
+constexpr double kAlike = 20.0;       // RMS difference of windows, grey levels, that look the same anyway
 constexpr double kTexture = 9.0;      // grey²: variance of a window that can tell one depth from another
 constexpr double kNoise = 25.0;       // grey², added to variances and covariance: flat windows correlate
 
 }  // namespace
 
-Agreement agreement(const cv::Mat& a, const cv::Mat& b) {
+Agreement agreement(const cv::Mat& a, const cv::Mat& b, double correlation) {
   auto mean = [](const cv::Mat& m) {
     cv::Mat result;
     cv::blur(m, result, {7, 7}, {-1, -1}, cv::BORDER_REPLICATE);
@@ -25,12 +24,12 @@ Agreement agreement(const cv::Mat& a, const cv::Mat& b) {
   const cv::Mat shared = mean(a.mul(b)) - meanA.mul(meanB);
   cv::Mat ownRoot;
   cv::sqrt(ownA.mul(ownB), ownRoot);
-  const cv::Mat textured = (cv::min(ownA, ownB) > kTexture) & (shared > kCorrelation * ownRoot);
+  const cv::Mat textured = (cv::min(ownA, ownB) > kTexture) & (shared > correlation * ownRoot);
   const cv::Mat varianceA = ownA + kNoise, varianceB = ownB + kNoise, covariance = shared + kNoise;
   cv::Mat root;
   cv::sqrt(varianceA.mul(varianceB), root);
   const cv::Mat square = varianceA + varianceB - 2 * covariance + offset.mul(offset);
-  return {(covariance > kCorrelation * root) | (square < kAlike * kAlike), textured};
+  return {(covariance > correlation * root) | (square < kAlike * kAlike), textured};
 }
 
 }  // namespace ibr

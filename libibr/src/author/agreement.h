@@ -12,7 +12,10 @@ struct Agreement {
   cv::Mat textured;  // they have texture, and it is the same
 };
 
+/// Least correlation of 7×7 windows that look the same.
+inline constexpr double kSameCorrelation = 0.5;
+
 /// Of two grey pictures (float, 0 … 255) of one size.
-Agreement agreement(const cv::Mat& a, const cv::Mat& b);
+Agreement agreement(const cv::Mat& a, const cv::Mat& b, double correlation = kSameCorrelation);
 
 }  // namespace ibr

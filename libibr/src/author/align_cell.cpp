@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <iterator>
 #include <limits>
 
 #include "author/alignment_grid.h"
 #include "author/epipolar_direction.h"
 #include "author/label.h"
+#include "author/masks.h"
 #include "author/mean_frame.h"
 #include "author/mesh_signs.h"
 #include "author/photographs.h"
@@ -297,6 +299,27 @@ CellQuality qualityOf(const MorphMesh& mesh, CellQuality quality, std::vector<do
 
 namespace {
 
+// Points whose triangles may hold something masked: what is there pulls at them. None where nothing is masked.
+std::vector<std::uint8_t> besideMasks(std::span<const MatchView> views, const MorphMesh& mesh) {
+  std::vector<std::uint8_t> beside;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Image8& mask = views[i].mask;
+    if (ignoredShare(mask) == 0) continue;
+    beside.resize(mesh.pointCount(), 0);
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::vec2 a = mesh.match[i][t.x], b = mesh.match[i][t.y], c = mesh.match[i][t.z];
+      const glm::ivec2 last(mask.width - 1, mask.height - 1);
+      const glm::ivec2 low = glm::clamp(glm::ivec2(glm::min(glm::min(a, b), c)), glm::ivec2(0), last);
+      const glm::ivec2 high = glm::clamp(glm::ivec2(glm::max(glm::max(a, b), c)), glm::ivec2(0), last);
+      bool masked = false;
+      for (int y = low.y; y <= high.y && !masked; ++y)
+        for (int x = low.x; x <= high.x && !masked; ++x) masked = !mask.pixel(x, y)[0];
+      if (masked) beside[t.x] = beside[t.y] = beside[t.z] = 1;
+    }
+  }
+  return beside;
+}
+
 double meanArea(const MorphMesh& mesh, const glm::uvec3& t) {
   glm::dvec2 at[3] = {};
   for (const auto& match : mesh.match)
@@ -313,7 +336,8 @@ AlignedCell alignPinholes(const CellToAlign& input, const AlignmentOptions& opti
   AlignedCell result{before, input.cell.quality, {}};
   MorphMesh& mesh = result.mesh;
   const aligning::MatchedSize matched(input.views);
-  aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true);
+  aligning::PictureAlignment alignment(input.views, before, meanFrame(matched.cameras()), true,
+                                       besideMasks(input.views, before));
   mesh.match = alignment.run(options, aligner, progress);
   mesh.triangles = alignment.triangles();
   OptimisedCell& facts = result.facts;

@@ -36,6 +36,7 @@ std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& opt
     const Intrinsics& k = view.camera.intrinsics;
     const Pose& pose = view.camera.pose;
     hash.add(int(k.model));
+    if (!view.mask.empty()) hash.add(std::as_bytes(std::span(view.mask.values)));
     for (const double v : {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
                            pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
       hash.add(v);

@@ -15,11 +15,14 @@
 #include "author/cell_maker.h"
 #include "author/cells.h"
 #include "author/exposure.h"
+#include "author/find_movers.h"
 #include "author/kept_file.h"
+#include "author/masks.h"
 #include "author/own_tracks.h"
 #include "author/photographs.h"
 #include "author/picture_folder.h"
 #include "author/plane_labels.h"
+#include "author/posed_model.h"
 #include "author/read_poses.h"
 #include "author/refine_poses.h"
 #include "base/check.h"
@@ -48,11 +51,13 @@ class Builder {
     storePhotographs();
     const std::size_t known = input_.model.tracks.size();
     addOwnTracks(input_, options_, jobs_, log_);
-    if (!planner_ || input_.model.tracks.size() != known) planCells();
+    takeMasksFromTracks();
+    if (!planner_ || input_.model.tracks.size() != known || !report_.masks.empty()) planCells();
     report_.dropped = plan_.dropped;
     warnOfEmptyPlan();
     describe();
     makeCells();
+    if (options_.removeMovers && maskMovers()) makeCells();  // those whose photographs have new masks
     measureExposures();
     if (options_.backdrops) makeBackdrops();
     listUnused();
@@ -121,6 +126,53 @@ class Builder {
     check(faults.empty(), ErrorCode::invalidInput, "{} (--exclude leaves it out)", fmt::join(faults, ""));
     for (const Photograph& photo : input_.photographs)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile, photo.capture});
+    for (std::size_t n = 0; n < scene_.nodes.size(); ++n)
+      if (const Photograph& photo = input_.photographs[n]; !photo.storedMask.empty())
+        scene_.nodes[n].maskFile = storedMaskFile(photo.name);
+  }
+
+  void takeMasksFromTracks() {
+    std::vector<Image8> masks;
+    for (const Photograph& photo : input_.photographs) {
+      masks.push_back(storedMask(photo));
+      if (const double share = ignoredShare(masks.back()); share > 0) report_.masks.push_back({photo.name, share, 0});
+    }
+    if (report_.masks.empty()) return;
+    dropIgnored(input_.model, masks);
+    input_.tracksOf = tracksOfImages(input_.model);
+  }
+
+  // Whether there are any.
+  bool maskMovers() {
+    const std::vector<Image8> moved = findMovers(input_, jobs_);
+    if (std::ranges::all_of(moved, &Image8::empty)) return false;
+    report_.masks.clear();
+    std::vector<Image8> masks(moved.size());
+    jobs_.runAll("masking what moved", moved.size(), 0, [&](std::size_t i) {
+      Photograph& photo = input_.photographs[i];
+      masks[i] = storedMask(photo);
+      if (moved[i].empty()) return;
+      masks[i] = masks[i].empty() ? moved[i] : bothMasks(masks[i], moved[i]);
+      Hash hash;
+      hash.add(input_.hashes[i]);
+      hash.add(storeMask(photo, masks[i], loadPhotograph(photo), options_.output, options_.texture));
+      input_.hashes[i] = hash.value();
+    });
+    for (std::size_t i = 0; i < masks.size(); ++i) {
+      if (masks[i].empty()) continue;
+      const Photograph& photo = input_.photographs[i];
+      scene_.nodes[i].maskFile = storedMaskFile(photo.name);
+      const double all = ignoredShare(masks[i]), given = photo.mask.empty() ? 0 : ignoredShare(loadMask(photo, photo.mask));
+      report_.masks.push_back({photo.name, given, all - given});
+    }
+    dropIgnored(input_.model, masks);
+    input_.tracksOf = tracksOfImages(input_.model);
+    scene_.cells.clear();
+    keys_.clear();
+    failure_.clear();
+    report_.cells.clear();
+    report_.dropped = plan_.dropped;
+    return true;
   }
 
   void describe() {
@@ -265,7 +317,7 @@ class Builder {
 std::filesystem::path estimatedPoses(const BuildOptions& options, const ProgressCallback& progress,
                                      const LogCallback& log) {
   return estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
-                        options.output / "images"},
+                        options.output / "images", options.masks},
                        progress, log)
       .model;
 }

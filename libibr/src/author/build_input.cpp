@@ -11,6 +11,7 @@
 #include <string>
 
 #include "author/cells.h"
+#include "author/masks.h"
 #include "author/picture_folder.h"
 #include "author/posed_model.h"
 #include "author/read_poses.h"
@@ -78,6 +79,27 @@ void checkStoredNames(const std::vector<Photograph>& photographs) {
   }
 }
 
+// A mask of no photograph is worth a word: it may be misnamed. Those of photographs that are left out are not.
+void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options, const LogCallback& log) {
+  if (options.masks.empty()) return;
+  std::set<fs::path> expected;
+  const auto expect = [&](const std::string& name) {
+    for (const fs::path& file : {fs::path(name + ".png"), fs::path(name).replace_extension(".png")})
+      expected.insert(file.lexically_normal());
+  };
+  for (const std::string& name : lookInto(options.photographs).pictures) expect(name);
+  for (Photograph& photo : photographs) {
+    expect(photo.name);
+    const std::optional<fs::path> mask = maskFileOf(options.masks, photo.name);
+    if (!mask) continue;
+    checkMaskSize(photo, *mask);
+    photo.mask = *mask;
+  }
+  for (const std::string& name : lookInto(options.masks).pictures)
+    if (!expected.contains(fs::path(name).lexically_normal()) && log)
+      log(LogLevel::warning, fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
+}
+
 }  // namespace
 
 void checkOptions(const BuildOptions& options) {
@@ -88,6 +110,8 @@ void checkOptions(const BuildOptions& options) {
         "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
   check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
   checkPlanOptions(options);
+  check(options.masks.empty() || fs::is_directory(options.masks), ErrorCode::io, "{}: is not a folder of masks",
+        options.masks.string());
   check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
 }
 
@@ -103,6 +127,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
   settleOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);
+  findMasks(input.photographs, options, log);
   input.tracksOf = tracksOfImages(input.model);
   input.refine = reprojectionError(input.model) > kExactPx;
   return input;

@@ -7,6 +7,7 @@
 
 #include "author/cell_cache.h"
 #include "author/local_adjust.h"
+#include "author/masks.h"
 #include "author/matcher_choice.h"
 #include "author/mean_frame.h"
 #include "author/panorama_cell.h"
@@ -33,22 +34,6 @@ struct CellPlanned {
   std::vector<Camera> cameras;     // at the size and the poses that are matched; none for panoramas
   CellMatchOptions match;
 };
-
-// At the size that is matched. Where poses are so far off that matching would fail they are adjusted: below that, what
-// fits the model's poses renders better, and what is stored keeps the model's.
-std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members) {
-  std::vector<Camera> cameras, matched;
-  for (const std::uint32_t i : members) {
-    cameras.push_back(input.model.images[i].camera);
-    matched.push_back(matchedCamera(input.photographs[i].camera));
-  }
-  if (!input.refine) return matched;
-  const double scale = double(cameras[0].intrinsics.width) / double(matched[0].intrinsics.width);
-  const std::vector<Pose> poses =
-      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
-  for (std::size_t i = 0; i < matched.size(); ++i) matched[i].pose = poses[i];
-  return matched;
-}
 
 struct SharedPoints {
   std::vector<std::uint32_t> tracks;  // that two members see
@@ -140,9 +125,24 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
 
 }  // namespace
 
+std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members) {
+  std::vector<Camera> cameras, matched;
+  for (const std::uint32_t i : members) {
+    cameras.push_back(input.model.images[i].camera);
+    matched.push_back(matchedCamera(input.photographs[i].camera));
+  }
+  if (!input.refine) return matched;
+  const double scale = double(cameras[0].intrinsics.width) / double(matched[0].intrinsics.width);
+  const std::vector<Pose> poses =
+      locallyAdjusted(cameras, localTracks(input.model, input.tracksOf, members), kTolerablePx * scale);
+  for (std::size_t i = 0; i < matched.size(); ++i) matched[i].pose = poses[i];
+  return matched;
+}
+
 MatchView viewOf(const Photograph& photograph, Image8* whole) {
   MatchView view{matchedCamera(photograph.camera), loadPhotograph(photograph)};
   const Intrinsics& k = view.camera.intrinsics;
+  view.mask = resizedMask(storedMask(photograph), k.width, k.height);
   if (k.width == view.picture.width && k.height == view.picture.height) return view;
   if (whole) *whole = greyOf(view.picture);
   view.picture = shrunk(view.picture, k.width, k.height);

@@ -27,6 +27,10 @@ struct MadeCell {
 /// grey, if it is wanted.
 MatchView viewOf(const Photograph& photograph, Image8* whole = nullptr);
 
+/// At the size that is matched. Where poses are so far off that matching would fail they are adjusted: below that, what
+/// fits the model's poses renders better, and what is stored keeps the model's. Precondition: no panoramas.
+std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<std::uint32_t>& members);
+
 class CellMaker {
  public:
   /// Both outlive the object.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include "author/depth_edges.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "author/masks.h"
 #include "author/match.h"
 #include "author/mean_frame.h"
 
@@ -71,6 +73,7 @@ class PhotoConsistency {
       const ImageF& grey = views_[i].grey;
       const auto at = maps_[i]({x + 0.5, y + 0.5}, inverseDepth);
       if (!at || !(at->x >= 0.5 && at->y >= 0.5 && at->x < grey.width - 0.5 && at->y < grey.height - 0.5)) continue;
+      if (isIgnored(views_[i].mask, *at)) continue;
       const auto px = float(at->x - 0.5), py = float(at->y - 0.5);
       const int ix = std::min(int(px), grey.width - 2), iy = std::min(int(py), grey.height - 2);
       const float fx = px - float(ix), fy = py - float(iy);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <optional>
 
+#include "author/masks.h"
 #include "author/picture_folder.h"
 #include "base/check.h"
 #include "base/child_process.h"
@@ -107,6 +108,8 @@ class Estimator {
       hash.add(std::string_view(name));
       hash.add(std::uint64_t(fs::file_size(path)));
       hash.add(std::int64_t(fs::last_write_time(path).time_since_epoch().count()));
+      if (const auto mask = options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name))
+        hash.add(readFile(*mask));
       const ImageFileInfo info = probeImage(path);
       if (name == names_.front()) width_ = info.width, height_ = info.height;
       sameSize_ = sameSize_ && info.width == width_ && info.height == height_;
@@ -181,14 +184,28 @@ class Estimator {
 
   std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
 
+  // Under the names that COLMAP looks for. False where there are none.
+  bool copyMasks() const {
+    bool any = false;
+    for (const std::string& name : names_)
+      if (const auto mask = options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name)) {
+        const fs::path to = file("masks") / (name + ".png");
+        makeFolders(to.parent_path());
+        writeFile(to, readFile(*mask));
+        any = true;
+      }
+    return any;
+  }
+
   void findFeatures() {
     learnNames();
     // Photographs of one size are most often of one lens: its focal length is then found more surely.
-    step("feature_extractor", kFeatures,
-         {"--database_path", file("database.db").string(), "--image_path", options_.photographs.string(),
-          "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize_ ? "1" : "0",
-          extraction_ + ".use_gpu", "0", extraction_ + ".num_threads", threads()},
-         bracketed);
+    std::vector<std::string> arguments{
+        "--database_path",   file("database.db").string(),     "--image_path",                options_.photographs.string(),
+        "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize_ ? "1" : "0",
+        extraction_ + ".use_gpu", "0", extraction_ + ".num_threads", threads()};
+    if (copyMasks()) arguments.insert(arguments.end(), {"--ImageReader.mask_path", file("masks").string()});
+    step("feature_extractor", kFeatures, arguments, bracketed);
   }
 
   void matchFeatures() {

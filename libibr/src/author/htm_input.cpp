@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // From files to harmonise(), and its result into a folder.
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "author/htm_settings.h"
+#include "author/masks.h"
 #include "author/photographs.h"
 #include "author/triangle_mesh_file.h"
 #include "base/check.h"
@@ -18,12 +20,10 @@ namespace fs = std::filesystem;
 namespace {
 
 fs::path maskFile(const fs::path& folder, const std::string& name) {
-  const fs::path direct = folder / (name + ".png"), replaced = (folder / name).replace_extension(".png");
-  std::error_code ignored;
-  if (fs::is_regular_file(direct, ignored)) return direct;
-  check(fs::is_regular_file(replaced, ignored), ErrorCode::io, "{}: there is no mask for {} (nor {})",
-        replaced.string(), name, direct.string());
-  return replaced;
+  const std::optional<fs::path> file = maskFileOf(folder, name);
+  check(file.has_value(), ErrorCode::io, "{}: there is no mask for {} (nor {})",
+        (folder / name).replace_extension(".png").string(), name, (folder / (name + ".png")).string());
+  return *file;
 }
 
 struct Size {
@@ -36,7 +36,7 @@ Size sizeOf(const fs::path& file, bool upright) {
 }
 
 // Goes the photograph's way: turned, undistorted and resized as it is.
-Image8 loadMask(Photograph photograph, const fs::path& file) {
+Image8 loadObjectMask(Photograph photograph, const fs::path& file) {
   const Size wanted = sizeOf(photograph.source, photograph.applyOrientation),
              size = sizeOf(file, photograph.applyOrientation);
   check(size == wanted, ErrorCode::invalidInput, "{}: the mask is {} × {}, {} is {} × {}", file.string(), size.width,
@@ -75,7 +75,7 @@ Input readInput(const HtmBuildOptions& options, const LogCallback& log) {
     input.files.push_back(findPhotograph(options.images, image, options.maxSize));
   for (const Photograph& file : input.files) {
     HtmPhotograph photograph{{file.name, file.camera, file.imageFile, {}}, loadPhotograph(file), {}};
-    if (!options.masks.empty()) photograph.mask = loadMask(file, maskFile(options.masks, file.name));
+    if (!options.masks.empty()) photograph.mask = loadObjectMask(file, maskFile(options.masks, file.name));
     input.photographs.push_back(std::move(photograph));
   }
   return input;

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "author/masks.h"
 #include "image/ecc.h"
 
 namespace ibr {
@@ -89,8 +90,13 @@ std::vector<Exposure> exposures(std::span<const MatchView> views, const DenseMat
     for (int x = 0; x < match.good.width; x += kStride) {
       const std::size_t at = std::size_t(y) * std::size_t(match.good.width) + std::size_t(x);
       if (!match.good.values[at]) continue;
-      for (std::size_t i = 0; i < views.size(); ++i)
-        colour[i] = sampled(views[i].picture, {match.position[i].values[2 * at], match.position[i].values[2 * at + 1]});
+      bool masked = false;
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        const glm::vec2 here(match.position[i].values[2 * at], match.position[i].values[2 * at + 1]);
+        colour[i] = sampled(views[i].picture, here);
+        masked = masked || isIgnored(views[i].mask, here);
+      }
+      if (masked) continue;
       sums.add({colour.data(), views.size()});
     }
   return sums.result();
@@ -122,10 +128,11 @@ void forSamples(const std::array<glm::vec2, 3>& corner, int width, int height, s
 }
 
 // Over pairs of members, mean over channels.
-double largestDifference(std::span<const glm::dvec3> colours) {
+double largestDifference(std::span<const glm::dvec3> colours, std::span<const bool> used) {
   double largest = 0;
   for (std::size_t i = 0; i < colours.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
+      if (!used[i] || !used[j]) continue;
       const glm::dvec3 difference = glm::abs(colours[i] - colours[j]);
       largest = std::max(largest, (difference.x + difference.y + difference.z) / 3.0);
     }
@@ -150,7 +157,7 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
   std::vector<glm::vec3> list;
   for (const glm::uvec3& t : triangles) {
     std::array<EccSums, kMostPairs> sums;
-    std::array<double, kMostPairs> square{};
+    std::array<double, kMostPairs> square{}, count{};
     double off = 0;
     forSamples({frame[t.x], frame[t.y], frame[t.z]}, width, height, list, [&](const glm::vec3& w) {
       const glm::vec2 at = w.x * frame[t.x] + w.y * frame[t.y] + w.z * frame[t.z];
@@ -158,16 +165,21 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
       const std::size_t pixel = std::size_t(py) * std::size_t(width) + std::size_t(px);
       bool elsewhere = !match.good.values[pixel];
       std::array<glm::dvec3, kMostMembers> colour;
+      std::array<bool, kMostMembers> used;
       for (std::size_t i = 0; i < d; ++i) {
         const std::vector<glm::vec2>& m = member[i];
         const glm::vec2 here = w.x * m[t.x] + w.y * m[t.y] + w.z * m[t.z];
         const glm::vec2 dense(match.position[i].values[2 * pixel], match.position[i].values[2 * pixel + 1]);
         elsewhere = elsewhere || !(glm::distance(here, dense) <= kOffPx);
         colour[i] = exposure[i].gain * sampled(views[i].picture, here) + exposure[i].offset;
+        used[i] = !isIgnored(views[i].mask, here);
       }
-      off += elsewhere && largestDifference({colour.data(), d}) > kSameColour;
+      const bool alone = std::count(used.begin(), used.begin() + std::ptrdiff_t(d), true) < 2;
+      off += alone || (elsewhere && largestDifference({colour.data(), d}, std::span(used).first(d)) > kSameColour);
       for (std::size_t i = 0, pair = 0; i < d; ++i)
         for (std::size_t j = 0; j < i; ++j, ++pair) {
+          if (!used[i] || !used[j]) continue;
+          ++count[pair];
           sums[pair].add(colour[i], colour[j]);
           const glm::dvec3 difference = colour[i] - colour[j];
           square[pair] += glm::dot(difference, difference) / 3.0;
@@ -175,8 +187,9 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
     });
     TriangleLabel label{1.0f, 0.0f, float(off / double(list.size()))};
     for (std::size_t pair = 0; pair < d * (d - 1) / 2; ++pair) {
+      if (count[pair] == 0) continue;  // masked: the others decide
       label.ecc = std::min(label.ecc, float(sums[pair].result(kNoise).value));
-      label.rms = std::max(label.rms, float(std::sqrt(square[pair] / double(list.size()))));
+      label.rms = std::max(label.rms, float(std::sqrt(square[pair] / count[pair])));
     }
     labels.push_back(label);
   }

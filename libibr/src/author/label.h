@@ -17,7 +17,8 @@ struct TriangleLabel {
   bool agrees() const;
 };
 
-/// `frame` are the vertices in the mean frame's picture, `member[i]` those in view i's picture.
+/// Where a view is masked the others decide; where fewer than two are left, the sample counts as off. `frame` are the
+/// vertices in the mean frame's picture, `member[i]` those in view i's picture.
 std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, const DenseMatch& match,
                                           std::span<const glm::vec2> frame,
                                           std::span<const std::vector<glm::vec2>> member,

@@ -11,6 +11,7 @@
 #include "author/depth_clean.h"
 #include "author/depth_edges.h"
 #include "author/dominant_planes.h"
+#include "author/masks.h"
 #include "author/mean_frame.h"
 #include "author/photographs.h"
 #include "author/plane_sweep.h"
@@ -25,6 +26,7 @@ constexpr int kSpeckle = 60;          // px at half resolution
 constexpr float kSpeckleStep = 2.0f;  // levels
 constexpr float kHidden = 10.0f;      // levels by which something stands before a pixel that hides it
 constexpr double kResidual = 3.0;     // px
+constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
 
 Camera scaled(const Camera& camera, int width, int height) {
   return {resized(camera.intrinsics, width, height), camera.pose};
@@ -68,6 +70,7 @@ class Matcher {
       cv::Mat small, target = cvView(halves.back().grey);
       cv::resize(cvView(grey_[i]), small, {width, height}, 0, 0, cv::INTER_AREA);
       small.convertTo(target, CV_32F);
+      halves.back().mask = widenedMask(resizedMask(views_[i].mask, width, height), kSweepWindow);
     }
     const Camera frame = scaled(match_.frame, std::max(width_ / 2, 1), std::max(height_ / 2, 1));
     std::vector<double> depths;
@@ -103,7 +106,36 @@ class Matcher {
       cv::subtract(cvView(position), cv::Scalar(0.5, 0.5), corner);
       cv::remap(cvView(grey_[i]), warped, corner, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
       warped.convertTo(warped_.emplace_back(), CV_32F);
+      cv::Mat& ignored = ignored_.emplace_back();
+      if (views_[i].mask.empty()) continue;
+      cv::remap(cvView(views_[i].mask), ignored, corner, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+      ignored = ignored == 0;
     }
+    showOthers();
+  }
+
+  // Where a member is masked it is taken to show what the others do, so that windows beside hold nothing else, and flow
+  // finds nothing to follow.
+  void showOthers() {
+    std::vector<cv::Mat> shown;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      shown.push_back(warped_[i].clone());
+      if (ignored_[i].empty()) continue;
+      cv::Mat sum(height_, width_, CV_32F, cv::Scalar(0)), count = sum.clone();
+      for (std::size_t j = 0; j < views_.size(); ++j) {
+        if (j == i) continue;
+        const cv::Mat used = usedBy(j);
+        cv::add(sum, warped_[j], sum, used);
+        cv::add(count, 1, count, used);
+      }
+      cv::Mat mean = sum / cv::max(count, 1);
+      mean.copyTo(shown[i], ignored_[i] & (count > 0));
+    }
+    warped_ = std::move(shown);
+  }
+
+  cv::Mat usedBy(std::size_t i) const {
+    return ignored_[i].empty() ? cv::Mat(height_, width_, CV_8U, cv::Scalar(255)) : cv::Mat(~ignored_[i]);
   }
 
   // Only what two members agree on can hide anything: elsewhere the sweep's depth is a guess.
@@ -113,11 +145,13 @@ class Matcher {
     for (std::size_t i = 0; i < views_.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const Agreement found = agreement(warped_[i], warped_[j]);
-        const cv::Mat inside = (cvView(inside_[i]) > 0) & (cvView(inside_[j]) > 0), agreed = found.alike & inside;
-        all &= agreed;
-        any |= agreed;
-        for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, found.textured & inside);
+        const cv::Mat inside = (cvView(inside_[i]) > 0) & (cvView(inside_[j]) > 0);
+        const cv::Mat used = usedBy(i) & usedBy(j), agreed = found.alike & inside;
+        all &= agreed | (~used & inside);
+        any |= agreed & used;
+        for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, found.textured & inside & used);
       }
+    all &= any;
     Image8 solid(width_, height_, 1);
     cvView(solid).setTo(1, any);
     match_.good = Image8(width_, height_, 1);
@@ -162,6 +196,7 @@ class Matcher {
   std::vector<FrameToMember> maps_;
   std::vector<Image8> grey_;     // as photographed
   std::vector<cv::Mat> warped_;  // as the frame sees it, float
+  std::vector<cv::Mat> ignored_;  // 255 where the frame sees what is masked; empty where nothing is
   std::vector<Image8> inside_;
   DenseMatch match_;
 };

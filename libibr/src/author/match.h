@@ -27,7 +27,8 @@ inline constexpr std::size_t kMostMembers = 4;
 /// A member's photograph at the size that is matched; the intrinsics are those of that size.
 struct MatchView {
   Camera camera;
-  Image8 picture;  // RGB
+  Image8 picture;    // RGB
+  Image8 mask = {};  // author/masks.h, of the picture's size; or empty
 };
 
 struct MatchOptions {
@@ -48,7 +49,7 @@ struct DenseMatch {
   ImageF inverseDepth;           // along the frame's axis
   float inverseDepthStep = 0;    // one level of the sweep
   std::vector<ImageF> position;  // of each member: 2 channels, px in its picture; outside it where good is 0
-  Image8 good;                   // 1 channel: 1 where all members agree
+  Image8 good;                   // 1 channel: 1 where all members agree that are not masked, two at least
   std::vector<Image8> seen;      // of each member: 1 where its texture is that of another one, and it sees the point
   bool refined = false;          // by step 4: positions are not quite what inverseDepth says
   bool depthKnown = true;        // positions follow from inverseDepth, not the other way round

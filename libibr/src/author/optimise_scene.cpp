@@ -9,6 +9,7 @@
 
 #include "author/aligned_cache.h"
 #include "author/kept_file.h"
+#include "author/masks.h"
 #include "author/parallel.h"
 #include "author/shared_file.h"
 #include "base/check.h"
@@ -86,6 +87,7 @@ class Optimiser {
       check(views.back().picture.width == camera.width && views.back().picture.height == camera.height,
             ErrorCode::invalidInput, "{}: is not {} × {} px, as its camera is", node.imageFile.string(), camera.width,
             camera.height);
+      if (!node.maskFile.empty()) views.back().mask = readMask(pathInside(scene_.folder, node.maskFile), camera);
     }
     const CellToAlign input{views, cell};
     const bool keeps = !options_.finished.empty();

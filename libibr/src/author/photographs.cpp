@@ -7,6 +7,7 @@
 #include <span>
 
 #include "author/cv_view.h"
+#include "author/masks.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -38,6 +39,20 @@ struct Size {
 bool sameShape(int width, int height, Size camera) {
   return std::abs(double(width) * camera.height - double(height) * camera.width) <=
          double(std::max(camera.width, camera.height));
+}
+
+// The hash as it is where there is no mask.
+std::uint64_t withHashOf(const Image8& mask, std::uint64_t before) {
+  if (mask.empty()) return before;
+  Hash hash;
+  hash.add(before);
+  hash.add(std::as_bytes(std::span(mask.values)));
+  return hash.value();
+}
+
+void storeTexture(const fs::path& file, const Image8& picture, TextureFormat format) {
+  makeFolders(file.parent_path());
+  writeKtx2(file, encodeTexture(buildMips(picture), format));
 }
 
 Intrinsics scaled(const Intrinsics& k, double scale) {
@@ -143,16 +158,29 @@ Image8 storePicture(const Photograph& photo, const fs::path& folder) {
 }
 
 std::uint64_t hashPhotograph(const Photograph& photo) {
-  return hashOf(photo, readFile(photo.source), photo.lens ? loadPhotograph(photo) : Image8());
+  const Image8 mask = photo.mask.empty() ? Image8() : loadMask(photo, photo.mask);
+  return withHashOf(mask, hashOf(photo, readFile(photo.source), photo.lens ? loadPhotograph(photo) : Image8()));
 }
 
-std::uint64_t storePhotograph(const Photograph& photo, const fs::path& scene, TextureFormat format) {
+std::uint64_t storePhotograph(Photograph& photo, const fs::path& scene, TextureFormat format) {
   const std::vector<std::byte> source = readFile(photo.source);
-  const fs::path texture = scene / photo.textureFile;
+  const Image8 mask = photo.mask.empty() ? Image8() : loadMask(photo, photo.mask);
   const Image8 picture = storePicture(photo, scene);
-  makeFolders(texture.parent_path());
-  writeKtx2(texture, encodeTexture(buildMips(picture), format));
-  return hashOf(photo, source, picture);
+  if (mask.empty())
+    storeTexture(scene / photo.textureFile, picture, format);
+  else
+    storeMask(photo, mask, picture, scene, format);
+  return withHashOf(mask, hashOf(photo, source, picture));
+}
+
+std::uint64_t storeMask(Photograph& photo, const Image8& mask, const Image8& picture, const fs::path& scene,
+                        TextureFormat format) {
+  photo.storedMask = scene / storedMaskFile(photo.name);
+  makeFolders(photo.storedMask.parent_path());
+  writeImage(photo.storedMask, mask);
+  storeTexture(scene / photo.textureFile, withMask(picture, mask),
+               format == TextureFormat::bc1 ? TextureFormat::bc7 : format);
+  return withHashOf(mask, 0);
 }
 
 }  // namespace ibr

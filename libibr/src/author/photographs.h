@@ -29,6 +29,8 @@ struct Photograph {
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
+  std::filesystem::path mask = {};               // of its source, as it was given; empty: none (author/masks.h)
+  std::filesystem::path storedMask = {};         // once it is stored: the scene's, which masks what moved as well
 };
 
 inline constexpr int kJpegQuality = 95;  // of what is stored anew
@@ -63,11 +65,15 @@ void checkNotOverwritten(const Photograph& photograph, const std::filesystem::pa
 /// Writes the picture below `folder`, and gives it back. Throws as checkNotOverwritten does, and Error{io}.
 Image8 storePicture(const Photograph& photograph, const std::filesystem::path& folder);
 
-/// Of the source file's bytes and of what is undistorted.
+/// Of the source file's bytes, of what is undistorted and of the given mask.
 std::uint64_t hashPhotograph(const Photograph& photograph);
 
-/// Writes the picture and its texture, in this format, below `scene`. Returns a hash of the source file's bytes and of
-/// what is undistorted.
-std::uint64_t storePhotograph(const Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
+/// Writes the picture and its texture, in this format, below `scene`; with a mask, that too, as the texture's alpha as
+/// well, which BC1 does not have: it is BC7 then. Returns what hashPhotograph does.
+std::uint64_t storePhotograph(Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
+
+/// Masks what is 0 in `mask`, of the stored size, in the scene: writes it and the texture. Returns a hash of it.
+std::uint64_t storeMask(Photograph& photograph, const Image8& mask, const Image8& picture,
+                        const std::filesystem::path& scene, TextureFormat format);
 
 }  // namespace ibr

@@ -101,9 +101,15 @@ class Sweep {
   void remember(std::size_t p, std::uint8_t cost) {
     if (cost >= best_[p]) return;
     best_[p] = cost;
-    float sum = 0;
-    for (const WarpedView& w : warped_) sum += w.grey.values[p];
-    volume_.guide.values[p] = sum / (WarpedView::kUnits * float(warped_.size())) + 128.0f;
+    float sum = 0, all = 0, count = 0;
+    for (const WarpedView& w : warped_) {
+      all += w.grey.values[p];
+      if (!w.ignored.empty() && w.ignored[p]) continue;
+      sum += w.grey.values[p];
+      count += 1;
+    }
+    if (count == 0) sum = all, count = float(warped_.size());
+    volume_.guide.values[p] = sum / (WarpedView::kUnits * count) + 128.0f;
   }
 
   std::span<const SweepView> views_;

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "author/build_input.h"
+#include "author/masks.h"
 #include "author/photographs.h"
 #include "ibr/author.h"
 
@@ -27,6 +28,11 @@ const std::vector<PosedImage>& PosedPhotographs::images() const noexcept {
 
 Image8 PosedPhotographs::picture(std::size_t image) const {
   return loadPhotograph(state_->photographs.at(image));
+}
+
+Image8 PosedPhotographs::mask(std::size_t image) const {
+  const Photograph& photograph = state_->photographs.at(image);
+  return photograph.mask.empty() ? Image8() : loadMask(photograph, photograph.mask);
 }
 
 }  // namespace ibr

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "author/masks.h"
+
 namespace ibr {
 namespace {
 
@@ -29,6 +31,7 @@ struct DepthRefiner::Patch {
 DepthRefiner::DepthRefiner(std::span<const MatchView> views, const DenseMatch& match) : match_(match) {
   for (const MatchView& view : views) {
     maps_.push_back(frameToMember(match.frame, view.camera));
+    masks_.push_back(view.mask);
     ImageF& grey = grey_.emplace_back(view.picture.width, view.picture.height, 1);
     for (std::size_t p = 0; p < grey.values.size(); ++p) {
       const std::uint8_t* const rgb = &view.picture.values[3 * p];
@@ -37,13 +40,13 @@ DepthRefiner::DepthRefiner(std::span<const MatchView> views, const DenseMatch& m
   }
 }
 
-// Whether all members see it, and will when the depth has changed a little.
+// Whether all members see it, unmasked, and will when the depth has changed a little.
 bool DepthRefiner::seen(glm::dvec2 pixel, double inverseDepth) const {
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     constexpr double kMargin = kFarthest + 1;
     const auto at = maps_[i](pixel, inverseDepth);
     if (!at || at->x < kMargin || at->y < kMargin || at->x > grey_[i].width - kMargin ||
-        at->y > grey_[i].height - kMargin)
+        at->y > grey_[i].height - kMargin || isIgnored(masks_[i], *at))
       return false;
   }
   return true;

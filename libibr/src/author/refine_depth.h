@@ -32,6 +32,7 @@ class DepthRefiner {
   const DenseMatch& match_;
   std::vector<FrameToMember> maps_;
   std::vector<ImageF> grey_;
+  std::vector<Image8> masks_;
 };
 
 }  // namespace ibr

@@ -9,6 +9,7 @@
 #include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
 
+#include "author/masks.h"
 #include "author/mean_frame.h"
 
 namespace ibr {
@@ -69,12 +70,13 @@ class Refiner {
     const glm::dvec2 slope = slopeAt(pixel, w);
     Patch patch;
     Values first, other;
+    if (isIgnored(views_[0].mask, vertices.matched[0][v])) return;
     if (!place(0, pixel, w, slope, vertices.matched[0][v], patch) || !sample(full_[0], patch, {0, 0}, first) ||
         first.spread < kLeastSpread)
       return;
     for (std::size_t i = 1; i < views_.size(); ++i) {
       const glm::dvec2 matched(vertices.matched[i][v]);
-      if (!place(i, pixel, w, slope, matched, patch)) continue;
+      if (isIgnored(views_[i].mask, matched) || !place(i, pixel, w, slope, matched, patch)) continue;
       const glm::dmat2 held = prior(i, glm::dvec2(vertices.matched[0][v]), w);
       glm::dvec2 shift(0), step(0), found(0);
       double least = INFINITY;

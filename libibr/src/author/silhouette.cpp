@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/bilinear.h"
+#include "author/masks.h"
 
 namespace ibr {
 namespace {
@@ -85,7 +86,7 @@ double SilhouetteFinder::contrast(glm::dvec2 inside, glm::dvec2 outside, double 
   double sum = 0;
   for (std::size_t i = 0; i < maps_.size(); ++i) {
     const auto a = maps_[i](inside, inverseDepth), b = maps_[i](outside, inverseDepth);
-    if (!a || !b) continue;
+    if (!a || !b || isIgnored(views_[i].mask, *a) || isIgnored(views_[i].mask, *b)) continue;
     const glm::dvec3 difference = glm::abs(bilinear(views_[i].picture, *a) - bilinear(views_[i].picture, *b));
     sum += (difference.x + difference.y + difference.z) / 3;
   }

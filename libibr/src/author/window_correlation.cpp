@@ -66,6 +66,7 @@ WarpedView::WarpedView(int width, int height)
       fv(std::size_t(width)) {}
 
 void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out) {
+  if (!view.mask.empty()) out.ignored.assign(out.grey.values.size(), 0);
   const int width = out.grey.width, height = out.grey.height;
   const int sourceWidth = view.grey.width, sourceHeight = view.grey.height;
   const float right = float(sourceWidth) - 1.001f, bottom = float(sourceHeight) - 1.001f;
@@ -116,6 +117,11 @@ void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out) {
       row[x] = top + fv[x] * (low2 - top);
     }
     for (int x = first; x <= last; ++x) row[x] = float(int(row[x] * kUnits + 0.5f)) - 128.0f * kUnits;
+    if (!view.mask.empty()) {
+      std::uint8_t* const ignored = &out.ignored[std::size_t(y) * std::size_t(width)];
+      for (int x = first; x <= last; ++x)
+        ignored[x] = !view.mask.values[std::size_t(corner[x] + int(fu[x] + 0.5f) + int(fv[x] + 0.5f) * sourceWidth)];
+    }
     std::fill(row, row + first, row[first]);
     std::fill(row + last + 1, row + width, row[last]);
   }
@@ -129,6 +135,7 @@ WindowCorrelation::WindowCorrelation(int members, int width, int height) : d_(me
   count_.resize(std::size_t(width));
   variance_.resize(std::size_t(width));
   zero_.assign(std::size_t(width), 0.0f);
+  pairs_.resize(std::size_t(width));
 }
 
 void WindowCorrelation::run(std::span<const WarpedView> warped, glm::dvec3 nearness, std::uint8_t* cost) {
@@ -147,22 +154,36 @@ void WindowCorrelation::run(std::span<const WarpedView> warped, glm::dvec3 nearn
     for (int i = 0; i < d_; ++i)
       for (int j = i + 1; j < d_; ++j, ++q) addPair(warped, y, i, j, q);
     addVariances();
+    countPairs(warped, y);
     costs(y, nearness, cost + std::size_t(y) * std::size_t(width_));
   }
 }
 
 void WindowCorrelation::costs(int y, glm::dvec3 nearness, std::uint8_t* __restrict out) const {
   const float* __restrict const total = total_.data(), * __restrict const count = count_.data();
-  const float pairs = float(d_ * (d_ - 1) / 2);
+  const float* __restrict const pairs = pairs_.data();
   const float* __restrict const variance = variance_.data();
   const float left = float(glm::dot(nearness, glm::dvec3(0.5, y + 0.5, 1.0))), across = float(nearness.x);
   const float noise = float(d_) * kNoise;
   for (int x = 0; x < width_; ++x) {
     const float near = smaller(larger(left + across * float(x), 0.0f), 1.0f);
-    const float sum = kNoCorrelation * total[x] + kUnseen * (pairs - count[x]);
+    const float sum = kNoCorrelation * total[x] + kUnseen * (pairs[x] - count[x]);
+    const bool none = pairs[x] == 0;
     const float textureless = noise / (noise + variance[x]);
     const float share = 1.0f + near * kFarther, farther = near * kFartherTextureless;
-    out[x] = std::uint8_t(int(smaller(share * sum / pairs + farther * textureless * textureless + 0.5f, 255.0f)));
+    const float cost = share * sum / larger(pairs[x], 1.0f) + farther * textureless * textureless;
+    out[x] = std::uint8_t(int(smaller((none ? kUnseen : cost) + 0.5f, 255.0f)));
+  }
+}
+
+// Where a member is masked its pairs do not count; where none is left, all depths cost the same.
+void WindowCorrelation::countPairs(std::span<const WarpedView> warped, int y) {
+  std::fill(pairs_.begin(), pairs_.end(), float(d_ * (d_ - 1) / 2));
+  if (std::ranges::all_of(warped, [](const WarpedView& w) { return w.ignored.empty(); })) return;
+  for (int x = 0; x < width_; ++x) {
+    const std::size_t at = std::size_t(y) * std::size_t(width_) + std::size_t(x);
+    const auto left = std::ranges::count_if(warped, [&](const WarpedView& w) { return w.ignored.empty() || !w.ignored[at]; });
+    pairs_[std::size_t(x)] = float(left * (left - 1) / 2);
   }
 }
 
@@ -211,9 +232,22 @@ void WindowCorrelation::addPair(std::span<const WarpedView> warped, int y, int i
   const int first = std::max(a.first[std::size_t(y)], b.first[std::size_t(y)]);
   const int last = std::min(a.last[std::size_t(y)], b.last[std::size_t(y)]);
   if (first > last) return;
+  if (!a.ignored.empty() || !b.ignored.empty()) return addMaskedPair(a, b, y, i, j, product, first, last);
   const auto sum = [&](std::size_t q) { return &sum_[q][std::size_t(first)]; };
   correlate(sum(std::size_t(2 * i)), sum(std::size_t(2 * i + 1)), sum(std::size_t(2 * j)), sum(std::size_t(2 * j + 1)),
             sum(product), &total_[std::size_t(first)], &count_[std::size_t(first)], last - first + 1);
+}
+
+void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j, std::size_t product,
+                                      int first, int last) {
+  const std::size_t row = std::size_t(y) * std::size_t(width_);
+  const auto used = [&](const WarpedView& w, int x) { return w.ignored.empty() || !w.ignored[row + std::size_t(x)]; };
+  for (int x = first; x <= last; ++x) {
+    if (!used(a, x) || !used(b, x)) continue;
+    const auto sum = [&](int q) { return &sum_[std::size_t(q)][std::size_t(x)]; };
+    correlate(sum(2 * i), sum(2 * i + 1), sum(2 * j), sum(2 * j + 1), sum(int(product)), &total_[std::size_t(x)],
+              &count_[std::size_t(x)], 1);
+  }
 }
 
 }  // namespace ibr

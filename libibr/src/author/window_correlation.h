@@ -3,7 +3,7 @@
 //
 //   cost(pixel) = mean over pairs of members of 1 − ZNCC of 5×5 windows, 0 … kCostLargest; more where the plane is
 //   near,
-//                 above all in windows without texture
+//                 above all in windows without texture; of pairs in which neither is masked there, where there are any
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,7 @@ namespace ibr {
 struct SweepView {
   Camera camera;
   ImageF grey;
+  Image8 mask = {};  // of grey's size; 0: a window there, or its neighbour, holds what is masked. Or empty
 };
 
 inline constexpr int kCostLargest = 240;  // perfectly opposite; 120: no correlation, no texture
@@ -33,6 +34,7 @@ struct WarpedView {
 
   ImageF grey;
   std::vector<int> first, last;
+  std::vector<std::uint8_t> ignored;  // 1 where the view's mask is 0; empty where it has none
   std::vector<int> corner;    // of the row at hand: where each pixel's four neighbours begin
   std::vector<float> fu, fv;  // and its place between them
 
@@ -54,12 +56,15 @@ class WindowCorrelation {
  private:
   void move(std::span<const WarpedView> warped, int in, std::optional<int> out);
   void addPair(std::span<const WarpedView> warped, int y, int i, int j, std::size_t product);
+  void addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j, std::size_t product, int first,
+                     int last);
   void addVariances();
+  void countPairs(std::span<const WarpedView> warped, int y);
   void costs(int y, glm::dvec3 nearness, std::uint8_t* out) const;
 
   int d_, width_, height_;
   std::vector<std::vector<float>> column_, sum_;  // of each member: value, square; then of each pair: product
-  std::vector<float> total_, count_, variance_, zero_;
+  std::vector<float> total_, count_, variance_, zero_, pairs_;
 };
 
 }  // namespace ibr

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render/cell_parameters.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/exponential.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -40,6 +41,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.principal = {float(k.cx / k.width), float(k.cy / k.height)};
     member.position = float(step.weights.position[i]);
     member.blend = float(step.weights.blend[i]);
+    if (step.mesh->masked && step.tier == kTierAgrees) member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
     member.layer = step.mesh->layers[i];
     const glm::dvec3 gain =
         plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * step.mesh->gains[i];

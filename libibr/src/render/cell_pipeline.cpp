@@ -26,6 +26,7 @@ struct Constants {  // specialisation constants of the cell shaders
   VkBool32 cubic;
   std::uint32_t overlay;
   VkBool32 exposed;
+  VkBool32 masked;
 };
 
 }  // namespace
@@ -35,6 +36,7 @@ CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
   return {.members = members,
           .panoramas = step.mesh->panoramas,
           .cubic = step.mesh->cubic,
+          .masked = step.mesh->masked,
           .onePage = step.mesh->onePage,
           .dissolve = step.opacity < 1.0f,
           .exposed = step.mesh->exposed,
@@ -49,7 +51,8 @@ std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayD
   for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
     for (const bool dissolve : {false, true})
       if (!dissolve || mayDissolve)
-        variants.push_back({members, mesh.panoramas, mesh.cubic, mesh.onePage, dissolve, mesh.exposed, blend});
+        variants.push_back(
+            {members, mesh.panoramas, mesh.cubic, mesh.masked, mesh.onePage, dissolve, mesh.exposed, blend});
   return variants;
 }
 
@@ -62,7 +65,7 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
   attributes[shader::kMaxMembers + 1] = {shader::kMaxMembers + 1, 1, VK_FORMAT_R32_SFLOAT, 0};
   const std::array<VkVertexInputBindingDescription, 2> bindings{
       {{0, vertexStride(members), VK_VERTEX_INPUT_RATE_VERTEX}, {1, sizeof(float), VK_VERTEX_INPUT_RATE_VERTEX}}};
-  constexpr std::array<VkSpecializationMapEntry, 10> kEntries{{{0, offsetof(Constants, members), 4},
+  constexpr std::array<VkSpecializationMapEntry, 11> kEntries{{{0, offsetof(Constants, members), 4},
                                                                {1, offsetof(Constants, onePage), 4},
                                                                {2, offsetof(Constants, dissolve), 4},
                                                                {3, offsetof(Constants, panoramas), 4},
@@ -71,10 +74,11 @@ PipelineHandle makeCellPipeline(const Device& device, const CellVariant& variant
                                                                {8, offsetof(Constants, viewStride), 4},
                                                                {9, offsetof(Constants, cubic), 4},
                                                                {10, offsetof(Constants, overlay), 4},
-                                                               {11, offsetof(Constants, exposed), 4}}};
+                                                               {11, offsetof(Constants, exposed), 4},
+                                                               {12, offsetof(Constants, masked), 4}}};
   const Constants constants{std::int32_t(members),         variant.onePage, variant.dissolve,  variant.panoramas,
                             std::uint32_t(variant.blend),  wanted.mapped,   wanted.viewStride, variant.cubic,
-                            std::uint32_t(wanted.overlay), variant.exposed};
+                            std::uint32_t(wanted.overlay), variant.exposed, variant.masked};
   GraphicsPipelineInfo info;
   switch (wanted.vertices) {
     case CellVertices::attributes:

@@ -99,6 +99,7 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene) {
       out.gains.push_back(scene.nodes[member].gain);
       out.panoramas |= std::uint32_t(isPanorama(scene.nodes[member])) << (out.cameras.size() - 1);
     }
+    out.masked = isMasked(scene, cell);
     appendMesh(scene, cell, geometry, out);
   };
   for (const Cell& cell : scene.cells) add(cell, cells);

@@ -27,6 +27,7 @@ struct GpuScene::State {
     std::vector<Camera> cameras;         // of the members
     std::vector<std::uint32_t> layers;   // of their photographs, now
     std::uint32_t panoramas = 0;         // bit i: member i is one
+    bool masked = false;                 // a member's photograph has a mask
     bool cubic = false;                  // sampled so where they are magnified
     std::vector<glm::dvec3> gains;       // of the members' photographs, Node::gain
     bool exposed = false;                // a photograph of the scene has one that is not 1

@@ -181,7 +181,7 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
     const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
     if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
     begun[b] = true;
-    if (planned.hidden || share * planned.opacity < 1) return;
+    if (planned.hidden || share * planned.opacity < 1 || isMasked(scene, backdrop)) return;
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
   };
@@ -191,7 +191,7 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     planned.hidden = hidden(cell, cellBounds, planned, plan.settings.morph);
-    if (planned.hidden || planned.opacity < 1) return;
+    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) return;  // one sees through masks
     for (std::size_t v = 0; v < views.size(); ++v)
       views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
   };

@@ -26,6 +26,7 @@ Requirements ofScene(const Scene& scene) {
     ++(isPanorama(scene, n) ? r.panoramas : r.pinholes);
     r.gains = r.gains || scene.nodes[n].gain != glm::dvec3(1.0);
   }
+  r.masked = std::uint32_t(std::ranges::count_if(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); }));
   for (const Cell& cell : scene.cells) {
     ++r.cellsOf[cell.members.size()];
     const auto panoramas =
@@ -84,6 +85,7 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("pinhole coordinates", r.pinholes > 0, fmt::format("{} photographs are pinholes", r.pinholes));
   add("panorama coordinates", r.panoramas > 0,
       fmt::format("{} photographs are panoramas, {} cells are mixed", r.panoramas, r.mixedCells));
+  add("masks", r.masked > 0, fmt::format("{} photographs have one", r.masked));
   add("tier 1, from one photograph", r.rejected,
       r.rejected ? "a filter rejected triangles" : "no triangle was rejected");
   add("backdrops", r.backdrops > 0, fmt::format("{} photographs have one", r.backdrops));

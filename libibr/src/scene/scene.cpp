@@ -20,6 +20,10 @@ std::size_t MorphMesh::tier0Count() const {
   return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));
 }
 
+bool isMasked(const Scene& scene, const Cell& cell) {
+  return std::ranges::any_of(cell.members, [&](std::uint32_t member) { return !scene.nodes[member].maskFile.empty(); });
+}
+
 std::optional<glm::dvec3> vertexPosition(const Scene& scene, const Cell& cell, std::size_t point) {
   const double inverseDistance = cell.mesh.inverseDistance[point];
   if (!(inverseDistance > 0.0)) return std::nullopt;

@@ -57,6 +57,7 @@ class Reader {
       node.gain = vector3(entry["gain"]);
       for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kLargestGain, kLargestGain);
     }
+    if (entry.has("mask")) node.maskFile = gltf_.reference(entry["mask"]["uri"]);
     return node;
   }
 
@@ -231,6 +232,8 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
     std::error_code ignored;
     if (!node.imageFile.empty() && !fs::is_regular_file(scene.folder / node.imageFile, ignored))
       sink.add(at + "/image", fmt::format("{} is missing", node.imageFile.string()));
+    if (!node.maskFile.empty() && !fs::is_regular_file(scene.folder / node.maskFile, ignored))
+      sink.add(at + "/mask", fmt::format("{} is missing", node.maskFile.string()));
     if (node.textureFile.empty()) {
       sink.add(at, "has no \"texture\", so nothing of it can be rendered");
       continue;
@@ -243,6 +246,8 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
         sink.add(at + "/texture",
                  fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
                              texture.width, texture.height, texture.levels, k.width, k.height, levels));
+      if (!node.maskFile.empty() && texture.format == TextureFormat::bc1)
+        sink.add(at + "/texture", fmt::format("{} is BC1, which has no alpha for the mask", node.textureFile.string()));
     } catch (const Error& e) {
       sink.add(at + "/texture", e.what());
     }

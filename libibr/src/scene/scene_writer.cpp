@@ -29,6 +29,7 @@ void checkTexts(const Scene& scene, const fs::path& folder) {
     demandInside(scene.nodes[n].textureFile, folder, "scene", fmt::format("nodes[{}].textureFile", n));
     for (const auto& [key, text] : kCaptureTexts)
       demandUtf8(scene.nodes[n].capture.*text, folder, "scene", fmt::format("nodes[{}].capture.{}", n, key));
+    demandInside(scene.nodes[n].maskFile, folder, "scene", fmt::format("nodes[{}].maskFile", n));
   }
   for (std::size_t i = 0; i < scene.unused.size(); ++i) {
     demandUtf8(scene.unused[i].name, folder, "scene", fmt::format("unused[{}].name", i));
@@ -54,6 +55,7 @@ class Writer {
       if (node.capture.*value > 0) capture[key] = node.capture.*value;
     if (!capture.empty()) entry["capture"] = std::move(capture);
     if (node.gain != glm::dvec3(1.0)) entry["gain"] = {node.gain.r, node.gain.g, node.gain.b};
+    if (!node.maskFile.empty()) entry["mask"] = {{"uri", encodeUri(node.maskFile)}};
     photographs_.push_back(std::move(entry));
   }
 

@@ -405,6 +405,62 @@ TEST_CASE("photographs may be held out, made smaller, or larger than the model's
                      [](const auto& u) { return u.name == "sub/003.png"; }));
 }
 
+TEST_CASE("masks go into the scene and into the textures' alpha, in every format") {
+  const Set set;
+  Image8 mask(128, 96, 1, 255);
+  for (int y = 32; y < 64; ++y)
+    for (int x = 40; x < 72; ++x) mask.pixel(x, y)[0] = 0;
+  fs::create_directories(set.folder / "masks/sub");
+  writeImage(set.folder / "masks/001.png", mask);
+  writeImage(set.folder / "masks/sub/003.png.png", Image8(128, 96, 1, 255));
+  writeImage(set.folder / "masks/nobody.png", mask);
+  BuildOptions options = set.options();
+  options.masks = set.folder / "masks";
+  for (const TextureFormat format : {TextureFormat::rgba8, TextureFormat::bc1, TextureFormat::bc7}) {
+    INFO(textureFormatName(format));
+    options.texture = format;
+    std::string said;
+    const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
+      if (level == LogLevel::warning) said += text;
+    });
+    CHECK_THAT(said, Contains("nobody.png") && !Contains("001.png") && !Contains("003.png"));
+    REQUIRE(report.masks.size() == 1);
+    CHECK(report.masks[0].photograph == "001.png");
+    CHECK(report.masks[0].given == Approx(1.0 / 12));
+    CHECK(report.masks[0].moved == 0);
+    const Scene scene = loadScene(options.output);
+    CHECK(validateSceneFiles(options.output).empty());
+    CHECK(scene.nodes[0].maskFile.empty());
+    REQUIRE(scene.nodes[1].maskFile == "masks/001.png.png");
+    CHECK(scene.nodes[3].maskFile == "masks/sub/003.png.png");
+    CHECK((readImage(options.output / scene.nodes[1].maskFile).values ==
+           Image8(readImage(set.folder / "masks/001.png")).values));
+    CHECK(probeKtx2(options.output / scene.nodes[0].textureFile).format == format);
+    const Texture texture = readKtx2(options.output / scene.nodes[1].textureFile);
+    CHECK(texture.format == (format == TextureFormat::bc1 ? TextureFormat::bc7 : format));
+    const Image8 shown = decodeTexture(texture)[0];
+    std::size_t wrong = 0;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 128; ++x) wrong += (shown.pixel(x, y)[3] > 128) != (mask.pixel(x, y)[0] != 0);
+    CHECK(wrong == 0);
+    // Nobody matches under it: no triangle that agrees lies in its middle.
+    for (const Cell& cell : scene.cells)
+      for (std::size_t m = 0; m < cell.members.size(); ++m) {
+        if (cell.members[m] != 1 || cell.members.size() > 2) continue;
+        for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
+          const glm::uvec3 v = cell.mesh.triangles[t];
+          const glm::vec2 c = (cell.mesh.match[m][v.x] + cell.mesh.match[m][v.y] + cell.mesh.match[m][v.z]) / 3.0f;
+          CHECK_FALSE((c.x > 46 && c.x < 66 && c.y > 38 && c.y < 58));
+        }
+      }
+  }
+  options.masks = set.folder / "photos/nowhere";
+  CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere") && Contains("masks"));
+  options.masks = set.folder / "masks";
+  writeImage(set.folder / "masks/001.png", Image8(64, 48, 1, 255));
+  CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("masks/001.png") && Contains("64 × 48"));
+}
+
 TEST_CASE("wrong input is refused by name, before anything is made") {
   const Set set;
   BuildOptions options = set.options();

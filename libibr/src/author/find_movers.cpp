@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/find_movers.h"
+
+#include <algorithm>
+#include <glm/vec3.hpp>
+#include <map>
+#include <utility>
+
+#include "author/cell_maker.h"
+#include "author/masks.h"
+#include "author/movers.h"
+#include "author/posed_model.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::size_t kLeastShared = 20;  // tracks, to judge
+constexpr double kBytesPerPixel = 200;    // that a judge's sweep takes, of a photograph's matched pixels
+
+Image8 moversIn(const BuildInput& input, std::uint32_t photograph, const std::vector<std::uint32_t>& judges) {
+  std::vector<std::uint32_t> members{photograph};
+  members.insert(members.end(), judges.begin(), judges.end());
+  const std::vector<Camera> cameras = camerasToMatch(input, members);
+  std::vector<MatchView> views;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    views.push_back(viewOf(input.photographs[members[i]]));
+    views.back().camera = cameras[i];
+  }
+  std::map<std::uint32_t, int> seen;
+  for (const std::uint32_t i : members)
+    for (const std::uint32_t t : input.tracksOf[i]) ++seen[t];
+  std::vector<glm::dvec3> points;
+  for (const auto& [track, times] : seen)
+    if (times >= 2) points.push_back(input.model.tracks[track].position);
+  const Image8 mask = moverMask(views[0], std::span(views).subspan(1), points);
+  const Intrinsics& stored = input.photographs[photograph].camera.intrinsics;
+  return ignoredShare(mask) > 0 ? resizedMask(mask, stored.width, stored.height) : Image8();
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input) {
+  const std::size_t count = input.photographs.size();
+  std::vector<std::map<std::uint32_t, std::size_t>> shared(count);
+  for (const Track& track : input.model.tracks)
+    for (const TrackObservation& a : track.observations)
+      for (const TrackObservation& b : track.observations)
+        if (a.image != b.image) ++shared[a.image][b.image];
+  std::vector<std::vector<std::uint32_t>> judges(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (isPanorama(input.photographs[i])) continue;
+    std::vector<std::pair<std::size_t, std::uint32_t>> best;
+    for (const auto& [other, tracks] : shared[i])
+      if (tracks >= kLeastShared && !isPanorama(input.photographs[other])) best.emplace_back(tracks, other);
+    std::ranges::sort(best, [](const auto& a, const auto& b) {
+      return a.first != b.first ? a.first > b.first : a.second < b.second;
+    });
+    for (const auto& [tracks, other] : best)
+      if (judges[i].size() < kMostJudges) judges[i].push_back(other);
+  }
+  return judges;
+}
+
+std::vector<Image8> findMovers(const BuildInput& input, const BuildJobs& jobs) {
+  const std::vector<std::vector<std::uint32_t>> judges = judgesOf(input);
+  double bytes = 0;
+  for (const Photograph& photo : input.photographs) {
+    const Intrinsics& k = photo.camera.intrinsics;
+    const double pixels = std::min(double(k.width) * k.height, kMatchPixels);
+    bytes = std::max(bytes, bytesToLoad(photo) + kBytesPerPixel * pixels);
+  }
+  std::vector<Image8> masks(judges.size());
+  jobs.runAll("finding what moved", judges.size(), bytes, [&](std::size_t i) {
+    if (!judges[i].empty()) masks[i] = moversIn(input, std::uint32_t(i), judges[i]);
+  });
+  return masks;
+}
+
+}  // namespace ibr
