@@ -8,8 +8,10 @@
 #include "batch/colour_scores.h"
 #include "batch/poses.h"
 #include "io/image_file.h"
+#include "render/alignment.h"
 #include "shared/pictures.h"
 #include "shared/settings.h"
+#include "shared/statistics.h"
 #include "shared/table.h"
 
 namespace fs = std::filesystem;
@@ -125,6 +127,7 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
     outcome.scores.seam = seamStep(ours.image, ours.buffers->surface, truth);
     outcome.scores.deltaE = gainFreeDeltaE(ours.image, truth, coverOf(ours.image));
   }
+  if (options_.seams) measureAlignment(view.camera, outcome.scores);
   if (!options_.pictures.empty()) write(options_.pictures, view, ours.image, truth);
   for (std::size_t b = 0; options_.baselines && b < kBaselines.size(); ++b) {
     const SceneRenderer::Picture other = baseline(b, view.camera);
@@ -133,6 +136,16 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
     if (!options_.pictures.empty()) write(options_.pictures / kBaselines[b].first, view, other.image, truth);
   }
   return outcome;
+}
+
+void Evaluator::measureAlignment(const Camera& view, Scores& scores) const {
+  const FramePlan plan = planFrame(scene_, bounds_, {{view}, options_.settings});
+  const std::vector<double> drawn = misalignments(scene_, bounds_, plan, 0, true),
+                            without = misalignments(scene_, bounds_, plan, 0, false);
+  scores.misaligned = quantile(drawn, 0.5);
+  scores.misaligned95 = quantile(drawn, 0.95);
+  scores.uncorrected = quantile(without, 0.5);
+  scores.uncorrected95 = quantile(without, 0.95);
 }
 
 std::vector<fs::path> evaluationFiles(const EvaluationOptions& options, const std::string& viewName) {
@@ -165,7 +178,10 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
   table.row(scoresRow("mean", means, options.fitGain));
   context.print("{}", table.text());
   if (options.seams)
-    context.print("seams {} levels, colours ΔE {}\n", numberText(means.seam, 3), numberText(means.deltaE, 3));
+    context.print(
+        "seams {} levels, colours ΔE {}; cells {} px apart, the worst 20th {}; not aligned {}, {}\n",
+        numberText(means.seam, 3), numberText(means.deltaE, 3), numberText(means.misaligned, 2),
+        numberText(means.misaligned95, 2), numberText(means.uncorrected, 2), numberText(means.uncorrected95, 2));
   if (options.baselines) {
     Table methods;
     methods.row(scoresHeading("mean of", options.fitGain));

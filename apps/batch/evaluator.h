@@ -58,6 +58,7 @@ class Evaluator {
  private:
   SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
   SceneRenderer::Picture baseline(std::size_t which, const Camera& view);
+  void measureAlignment(const Camera& view, Scores& scores) const;
   void write(const std::filesystem::path& folder, const View& view, const Image8& picture, const Image8& truth) const;
 
   const Scene& scene_;

@@ -36,6 +36,10 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"psnrCoveredGain", "covered gain", Shown::withGain, 2, &Scores::psnrCoveredGain},
                                {"seam", "", Shown::never, 3, &Scores::seam},
                                {"deltaE", "", Shown::never, 3, &Scores::deltaE},
+                               {"misalignedPx", "", Shown::never, 2, &Scores::misaligned},
+                               {"misaligned95Px", "", Shown::never, 2, &Scores::misaligned95},
+                               {"uncorrectedPx", "", Shown::never, 2, &Scores::uncorrected},
+                               {"uncorrected95Px", "", Shown::never, 2, &Scores::uncorrected95},
                                {"milliseconds", "ms", Shown::always, 1, &Scores::milliseconds}};
 
 bool isShown(const Figure& figure, bool withGain) {

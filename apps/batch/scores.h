@@ -15,11 +15,13 @@ struct Scores {
   double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered;
   double psnrGain, psnrCoveredGain;  // after the gain of each channel that fits best
   double seam, deltaE;               // colour_scores.h
+  double misaligned, misaligned95;   // px between what cells say of one place (render/alignment.h): median, 95 %
+  double uncorrected, uncorrected95;  // likewise, had cells not been aligned
   double milliseconds;
 };
 
 /// `prediction`: RGBA, alpha of AlphaContent::tier, its holes black. `fitGain`: also psnrGain and psnrCoveredGain. The
-/// last three figures are left to the caller. What is 0 in `used`, of the truth, is left out; it may be empty.
+/// figures after these are left to the caller. What is 0 in `used`, of the truth, is left out; it may be empty.
 /// Precondition: equal sizes.
 Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const Image8& used = {});
 

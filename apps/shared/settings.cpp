@@ -58,6 +58,9 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
          "fills what is still empty from around");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
                    "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
+  addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
+                  "Cells that share photographs move a little, so that they agree where poses are wrong; not with the "
+                  "paper's morph [off]");
   addChoice<BlendMode>(app, "--blend", settings.blend,
                        {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}},
                        "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
@@ -193,6 +196,7 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
           {"backdrops", settings.maxBackdrops},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
+          {"align", settings.alignCells ? "on" : "off"},
           {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
           {"blend", wordOf(settings.blend)},
           {"extrapolation", settings.extrapolationLimit},

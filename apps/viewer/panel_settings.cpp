@@ -82,6 +82,8 @@ bool sceneSettings(RenderSettings& s) {
   using Shape = std::pair<const char*, Morph>;
   changed |= choose("morphing", s.morph, std::array{Shape{"ours", Morph::ours}, Shape{"the paper's", Morph::paper}},
                     "ours: right for static points everywhere; the paper's: unclamped weights, no depth");
+  changed |= ImGui::Checkbox("cells aligned", &s.alignCells);
+  hint("Cells that share photographs move a little, so that they agree where poses are wrong");
   changed |= count("cells", s.maxCells, 1, int(kLargestCellCount), "At most so many are drawn, best first");
   changed |= count("backdrops", s.maxBackdrops, 0, int(kLargestBackdropCount), "Whole photographs behind the cells");
   const auto tier = [&] {

@@ -36,6 +36,7 @@ TEST_CASE("a scene's settings come back from their words") {
   RenderSettings settings = preset(Preset::reference);
   settings.lowestTier = 1;
   settings.morph = Morph::paper;
+  settings.alignCells = true;
   settings.order = DrawOrder::paper;
   settings.blend = BlendMode::mixed;
   settings.maxCells = 3;

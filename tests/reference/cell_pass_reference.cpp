@@ -156,6 +156,7 @@ struct Step {
   int rank;
   double extrapolation;
   bool cubic;
+  Correction correction;
   Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
 
@@ -171,7 +172,7 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
     for (const PlannedBackdrop& b : plan.backdrops)
       if (const double share = shareOf(b); plan.settings.lowestTier >= kTierBackdrop && share > 0)
         steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), share * b.opacity,
-                         int(&b - plan.backdrops.data()), 0, cubic});
+                         int(&b - plan.backdrops.data()), 0, cubic, b.correction});
   };
   // Every copy that a backdrop's share grows by; the renderer leaves out what adds little.
   for (const int tier : {kTierAgrees, kTierRejected})
@@ -180,7 +181,7 @@ std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::
       if (tier == kTierAgrees) addBackdrops(tier, [&](const PlannedBackdrop& b) { return shareBefore(plan, b, c); });
       steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
                        tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
-                       int(&c - cells.data()), c.extrapolationDistance, cubic});
+                       int(&c - cells.data()), c.extrapolationDistance, cubic, c.correction});
     }
   for (const int tier : {kTierAgrees, kTierRejected}) addBackdrops(tier, [](const PlannedBackdrop&) { return 1.0; });
   return steps;
@@ -394,7 +395,8 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
     for (int v = 0; v < 3; ++v) {
       const std::size_t p = mesh.triangles[f][v];
       const glm::dvec3 d =
-          toView * morph(step.scene, step.cell, p, step.weights.position, step.morph(), view.pose.position);
+          toView *
+          morph(step.scene, step.cell, p, step.weights.position, step.morph(), view.pose.position, step.correction);
       m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
       t.inverseDistance[v] = ours ? double(mesh.inverseDistance[p]) : 0.0;
       t.uncertainty[v] = mesh.uncertainty[p];

@@ -84,6 +84,22 @@ TEST_CASE("cells that dissolve, mixed blending, backdrops") {
   CHECK(picture.pixel(160, 60)[3] != 0);
 }
 
+TEST_CASE("cells and backdrops that are moved so that they agree") {
+  SyntheticScene place = twoCellsWithBackdrops();
+  glm::dquat& rotation = place.scene.nodes[3].camera.pose.rotation;
+  rotation = glm::angleAxis(0.02, glm::normalize(glm::dvec3(0.3, 1, 0.2))) * rotation;
+  const Stage stage(testDevice(), place);
+  const Camera view = cameraAt({0.5, 0.5, 0.3});
+  RenderSettings settings = withTiers();
+  settings.alignCells = true;
+  const FramePlan plan = stage.plan(view, settings);
+  REQUIRE(plan.cells.size() == 2);
+  for (const PlannedCell& cell : plan.cells) CHECK_FALSE((cell.correction == Correction{}));
+  CHECK(std::ranges::any_of(plan.backdrops, [](const auto& b) { return !(b.correction == Correction{}); }));
+  compareWithTwin(stage, plan);
+  CHECK_FALSE((stage.render(plan).values == stage.render(view, withTiers()).values));
+}
+
 TEST_CASE("a backdrop taken where the view is comes before cells of photographs that were taken elsewhere") {
   SyntheticOptions options = place(3);
   options.cells = {{0, 1}};

@@ -136,6 +136,9 @@ struct RenderSettings {
   std::vector<std::uint32_t> mutedCells, soloCells;  // Scene::cells that are never drawn; where there are any of the
                                                      // latter, all else is not, backdrops neither. In any order;
                                                      // indices beyond the scene's mean nothing
+  bool alignCells = false;  // Morph::ours: neighbours agree on where their shared photographs are seen
+                            // (PlannedCell::correction), though poses be wrong. Helps where errors of poses are large
+                            // and of no pattern; on good poses it may lose a little
   int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
   bool leaveOutHidden = true;      // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
 
@@ -176,9 +179,15 @@ struct CellBounds {
     std::array<glm::vec3, 4> point{};  // a_i r_i in the member's camera axes
     float inverseDistance = 0;
   };
+  struct Anchor {                 // a place of a photograph, as tier 0 shows it
+    std::uint32_t photograph = 0;  // node
+    std::uint32_t place = 0;       // on a grid over it (render/anchors.h)
+    Corner point;
+  };
   std::vector<Member> members;       // as Cell::members
   std::vector<Corner> corners;       // of the outline
   std::vector<glm::uvec2> outline;   // sum of tier 0's directed borders, edges between corners; empty: not to be used
+  std::vector<Anchor> anchors;       // of photographs that other meshes show too, by photograph and place
   float largestInverseDistance = 0;  // of all vertices, ρ
   float farInverseDistance = 0;      // a tenth of the vertices lies farther away …
   float nearInverseDistance = 0;     // … and a tenth nearer than this
@@ -197,6 +206,14 @@ struct FrameInput {
   double dtSeconds = 0;  // since the frame before; clamped to 0 … 0.1 (NUMERICS T18)
 };
 
+/// A rigid motion of a mesh while it is drawn: what it has at X is seen at pivot + rotation·(X − pivot + shift), what it
+/// has in a direction far away in the turned one.
+struct Correction {
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
+  glm::dvec3 pivot{0.0}, shift{0.0};        // world
+  bool operator==(const Correction&) const = default;
+};
+
 struct PlannedCell {
   struct View {
     std::array<double, 4> position{};  // λ of the morph: clamped (ours) or not (paper); 0 beyond the members
@@ -210,6 +227,7 @@ struct PlannedCell {
   double opacity = 1;                // below 1 near the extrapolation limit, and while the order changes
   std::array<double, 4> single{};    // weights of tier 1: one member alone, but while that becomes another
   std::array<View, 2> view;          // weights by view
+  Correction correction;             // aligns it with its neighbours (RenderSettings::alignCells)
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
   bool colourNeeded = true;                     // something that shows may go through its colour table
@@ -222,6 +240,7 @@ struct PlannedBackdrop {
   std::uint32_t backdrop = 0;                   // index into Scene::backdrops
   double opacity = 1;                           // below 1 while the order changes
   double distance = 0;                          // of its photograph from the middle of the views, world units
+  Correction correction;                        // as PlannedCell::correction
   std::uint32_t colourSlot = kColourSlotCount;  // of the best cell that shows its photograph
   bool hidden = false;                          // what is better covers it for certain
 };

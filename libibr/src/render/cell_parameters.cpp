@@ -6,6 +6,8 @@
 #include <glm/exponential.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "render/correction.h"
+
 namespace ibr {
 namespace {
 
@@ -29,14 +31,14 @@ shader::uvec2 noiseOffset(const FramePlan& plan, std::size_t view) {
 
 shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, const Step& step) noexcept {
   const Camera& eye = plan.views[view];
-  const glm::dquat toView = glm::conjugate(eye.pose.rotation);
+  const glm::dquat toView = glm::conjugate(eye.pose.rotation), turned = toView * step.correction->rotation;
   shader::CellParameters cell{};
   glm::dvec3 shift(0.0);
   for (std::size_t i = 0; i < step.mesh->cameras.size(); ++i) {
     const Camera& camera = step.mesh->cameras[i];
     const Intrinsics& k = camera.intrinsics;
     shader::CellMember& member = cell.member[i];
-    member.toView = glm::mat3(glm::mat3_cast(toView * camera.pose.rotation));
+    member.toView = glm::mat3(glm::mat3_cast(turned * camera.pose.rotation));
     member.focal = {float(k.fx / k.width), float(k.fy / k.height)};
     member.principal = {float(k.cx / k.width), float(k.cy / k.height)};
     member.position = float(step.weights.position[i]);
@@ -49,7 +51,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.slope = glm::pow(gain, glm::dvec3(1 / 2.4));
     shift += step.weights.position[i] * (camera.pose.position - eye.pose.position);
   }
-  cell.shift = glm::vec3(toView * shift);
+  cell.shift = glm::vec3(toView * corrected(*step.correction, shift, eye.pose.position));
   cell.nearDistance = float(plan.nearDistance);
   const Intrinsics& k = eye.intrinsics;
   // Vulkan's clip space: x right, y down, both −1 to 1 over the picture.

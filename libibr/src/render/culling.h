@@ -12,8 +12,16 @@ namespace ibr {
 /// Inward normals of the four side planes of a pinhole's frustum, world axes; all pass through its centre.
 std::array<glm::dvec3, 4> frustum(const Camera& view);
 
-/// False only if every vertex lies outside of one plane, for a camera at `eye` with these weights of position.
+/// How a mesh is drawn for a camera at `eye`.
+struct Placement {
+  Weights weights;  // of position
+  Morph morph;
+  glm::dvec3 eye;
+  Correction correction;
+};
+
+/// False only if every vertex lies outside of one plane by more than `margin` (radians), at these weights.
 bool mayBeVisible(const Scene& scene, const Cell& cell, const CellBounds& bounds,
-                  const std::array<glm::dvec3, 4>& planes, const Weights& weights, Morph morph, glm::dvec3 eye);
+                  const std::array<glm::dvec3, 4>& planes, const Placement& placement, double margin = 0);
 
 }  // namespace ibr

@@ -16,6 +16,7 @@
 
 #include "base/check.h"
 #include "ibr/renderer.h"
+#include "render/alignment.h"
 #include "render/backdrop_choice.h"
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
@@ -87,9 +88,12 @@ class Planner {
 
   FramePlan run() {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
-    chooseCells();
+    std::vector<PlannedCell> cells = chooseCells();
+    const ChosenBackdrops chosen = chooseBackdrops();
+    align(cells, chosen);
+    takeCells(std::move(cells));
     fadeCells();
-    planBackdrops();
+    fadeBackdrops(chosen);
     // The paper draws all of its cells, and counts their colours.
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
@@ -101,12 +105,25 @@ class Planner {
   }
 
  private:
-  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned, Morph morph) const {
+  // Those in view, and of them those to be drawn; best first.
+  struct ChosenBackdrops {
+    std::vector<BackdropCandidate> candidates;
+    std::vector<std::uint32_t> meshes;
+  };
+
+  // `margin`: radians by which a correction may still move it.
+  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned, Morph morph,
+               double margin = 0) const {
     for (std::size_t v = 0; v < plan_.views.size(); ++v)
-      if (mayBeVisible(scene_, cell, bounds, planes_[v], planned.view[v].position, morph, plan_.views[v].pose.position))
+      if (mayBeVisible(scene_, cell, bounds, planes_[v],
+                       {planned.view[v].position, morph, plan_.views[v].pose.position, planned.correction}, margin))
         return true;
     return false;
   }
+  bool visible(const PlannedCell& planned, double margin = 0) const {
+    return visible(scene_.cells[planned.cell], bounds_.cells[planned.cell], planned, settings_.morph, margin);
+  }
+  bool aligned() const { return settings_.alignCells && settings_.morph == Morph::ours; }
 
   // Weights of a cell for every view, wherever it stands in the order.
   PlannedCell planned(std::uint32_t index, const CellDistance& fromMiddle) const {
@@ -125,15 +142,18 @@ class Planner {
       planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
       planned.view[v].blend = smoothstep(weights.clamped);
     }
-    const Weights blend = smoothstep(fromMiddle.weights.clamped);
+    planned.photographDistance = photographDistance(cell, smoothstep(fromMiddle.weights.clamped));
+    planned.single = single(index, fromMiddle.weights.clamped);
+    return planned;
+  }
+
+  double photographDistance(const Cell& cell, const Weights& blend) const {
     double squared = 0;
     for (std::size_t i = 0; i < cell.members.size(); ++i) {
       const double distance = glm::distance(scene_.nodes[cell.members[i]].camera.pose.position, middle_.position);
       squared += blend[i] * distance * distance;
     }
-    planned.photographDistance = std::sqrt(squared);
-    planned.single = single(index, fromMiddle.weights.clamped);
-    return planned;
+    return std::sqrt(squared);
   }
 
   // The member with the greatest λ̂, which another one replaces only by a margin, and little by little.
@@ -177,6 +197,7 @@ class Planner {
     std::uint32_t cell, planned;
     double extrapolation, rotation;  // PlannedCell::extrapolationDistance, rotationalDistance
     double size;
+    bool nearlyInView;  // only its correction may bring it into view
     std::int64_t rank;  // in the frame before; kNew if it was not drawn
   };
   static constexpr std::int64_t kNew = std::numeric_limits<std::int64_t>::max();
@@ -202,7 +223,7 @@ class Planner {
     return a.rank == kNew ? clearlyBetter(a, b) : !clearlyBetter(b, a);
   }
 
-  std::vector<Candidate> candidates(std::vector<PlannedCell>& inView) {
+  std::vector<Candidate> candidates(std::vector<PlannedCell>& cells) {
     std::map<std::uint32_t, std::int64_t> rank;
     for (const ShownMesh& shown : state_.cells)
       if (!shown.leaving) rank.emplace(shown.mesh, std::int64_t(rank.size()));
@@ -215,7 +236,8 @@ class Planner {
         continue;
       }
       PlannedCell cell = planned(c, distance);
-      if (!visible(scene_.cells[c], bounds_.cells[c], cell, settings_.morph)) {
+      const bool inView = visible(cell);
+      if (!inView && !(aligned() && !bounds_.cells[c].anchors.empty() && visible(cell, kLargestCorrection))) {
         ++plan_.culledByFrustum;
         continue;
       }
@@ -225,16 +247,17 @@ class Planner {
         continue;
       }
       const auto before = rank.find(c);
-      result.push_back({c, std::uint32_t(inView.size()), distance.extrapolation, distance.rotation, size,
+      result.push_back({c, std::uint32_t(cells.size()), distance.extrapolation, distance.rotation, size, !inView,
                         before == rank.end() ? kNew : before->second});
-      inView.push_back(cell);
+      cells.push_back(cell);
     }
     return result;
   }
 
-  void chooseCells() {
-    std::vector<PlannedCell> inView;
-    std::vector<Candidate> all = candidates(inView);
+  // Best first; some of them may turn out to be out of view.
+  std::vector<PlannedCell> chooseCells() {
+    std::vector<PlannedCell> cells;
+    std::vector<Candidate> all = candidates(cells);
     // Who is drawn: those before have a bonus, which keeps this a strict order. In which order: by insertion into that
     // of the frame before, since margins between pairs make no strict order.
     const auto favoured = [&](Candidate c) {
@@ -244,18 +267,30 @@ class Planner {
       return c;
     };
     std::ranges::sort(all, [&](const Candidate& a, const Candidate& b) {
+      if (a.nearlyInView != b.nearlyInView) return b.nearlyInView;
       if (mixing_ && isMain(a) != isMain(b)) return isMain(a);
       return better(favoured(a), favoured(b));
     });
     const std::size_t kept = std::min<std::size_t>({all.size(), settings_.maxCells, kLargestCellCount});
-    plan_.culledByCount = std::uint32_t(all.size() - kept);
-    for (std::size_t i = kept; i < all.size(); ++i) plan_.next.hiddenCells.push_back(all[i].cell);
+    for (std::size_t i = kept; i < all.size(); ++i) {
+      ++(all[i].nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
+      if (!all[i].nearlyInView) plan_.next.hiddenCells.push_back(all[i].cell);
+    }
     std::ranges::sort(plan_.next.hiddenCells);
     all.resize(kept);
     std::ranges::stable_sort(all, {}, &Candidate::rank);
     for (std::size_t i = 1; i < all.size(); ++i)
       for (std::size_t j = i; j > 0 && precedes(all[j], all[j - 1]); --j) std::swap(all[j], all[j - 1]);
-    for (const Candidate& candidate : all) plan_.cells.push_back(inView[candidate.planned]);
+    std::vector<PlannedCell> ordered;
+    for (const Candidate& candidate : all) ordered.push_back(cells[candidate.planned]);
+    return ordered;
+  }
+
+  // What is in view where its correction has it.
+  void takeCells(std::vector<PlannedCell> cells) {
+    plan_.culledByFrustum +=
+        std::uint32_t(aligned() ? std::erase_if(cells, [&](const PlannedCell& cell) { return !visible(cell); }) : 0);
+    plan_.cells = std::move(cells);
     if (!plan_.cells.empty()) plan_.next.mainCell = plan_.cells[0].cell;
     // Nothing nearer than this keeps its true depth (it is drawn all the same); scale-free, since COLMAP worlds are.
     if (!plan_.cells.empty()) plan_.nearDistance = 0.05 * bounds_.cells[plan_.cells[0].cell].size;
@@ -270,7 +305,8 @@ class Planner {
     const CellBounds& bounds = bounds_.cells[shown.mesh];
     PlannedCell again = planned(shown.mesh, cellDistance(scene_, cell, bounds.size, middle_));
     again.opacity *= shown.opacity;
-    if (!visible(cell, bounds, again, settings_.morph)) return std::nullopt;
+    again.correction = correctionOf(corrections_, shown.mesh);
+    if (!visible(again)) return std::nullopt;
     return again;
   }
 
@@ -300,6 +336,41 @@ class Planner {
     }
   }
 
+  using Corrections = std::map<std::uint32_t, Correction>;  // by mesh
+
+  static Correction correctionOf(const Corrections& corrections, std::uint32_t mesh) {
+    const auto found = corrections.find(mesh);
+    return found == corrections.end() ? Correction{} : found->second;
+  }
+
+  // All that this frame may draw, together, from the middle of the views.
+  void align(std::vector<PlannedCell>& cells, const ChosenBackdrops& chosen) {
+    if (!aligned()) return;
+    std::vector<std::uint32_t> cellsToAlign, backdropsToAlign = chosen.meshes;
+    for (const PlannedCell& cell : cells) cellsToAlign.push_back(cell.cell);
+    const auto addShown = [](const std::vector<ShownMesh>& shown, std::size_t count, std::vector<std::uint32_t>& to) {
+      for (const ShownMesh& mesh : shown)
+        if (mesh.mesh < count && std::ranges::find(to, mesh.mesh) == to.end()) to.push_back(mesh.mesh);
+    };
+    addShown(state_.cells, scene_.cells.size(), cellsToAlign);
+    addShown(state_.former, scene_.cells.size(), cellsToAlign);
+    addShown(state_.backdrops, scene_.backdrops.size(), backdropsToAlign);
+    std::vector<MeshToAlign> meshes;
+    for (const std::uint32_t c : cellsToAlign) meshes.push_back(toAlign(scene_.cells[c], bounds_.cells[c]));
+    for (const std::uint32_t b : backdropsToAlign) meshes.push_back(toAlign(scene_.backdrops[b], bounds_.backdrops[b]));
+    const std::vector<Correction> found = alignMeshes(scene_, meshes, middle_.position);
+    for (std::size_t i = 0; i < cellsToAlign.size(); ++i) corrections_[cellsToAlign[i]] = found[i];
+    for (std::size_t i = 0; i < backdropsToAlign.size(); ++i)
+      backdropCorrections_[backdropsToAlign[i]] = found[cellsToAlign.size() + i];
+    for (PlannedCell& cell : cells) cell.correction = corrections_[cell.cell];
+  }
+
+  MeshToAlign toAlign(const Cell& mesh, const CellBounds& bounds) const {
+    const CellDistance from = cellDistance(scene_, mesh, bounds.size, middle_);
+    const double photographs = photographDistance(mesh, smoothstep(from.weights.clamped));
+    return {&mesh, &bounds, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
+  }
+
   bool backdropVisible(std::uint32_t backdrop) const {
     PlannedCell single;  // as it is drawn
     for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
@@ -311,9 +382,10 @@ class Planner {
   }
 
   // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
-  void planBackdrops() {
-    if (settings_.lowestTier < kTierBackdrop) return;
-    std::vector<BackdropCandidate> candidates;
+  ChosenBackdrops chooseBackdrops() {
+    ChosenBackdrops chosen;
+    std::vector<BackdropCandidate>& candidates = chosen.candidates;
+    if (settings_.lowestTier < kTierBackdrop) return chosen;
     for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
       if (!backdropVisible(b)) continue;
       const Pose& pose = scene_.nodes[scene_.backdrops[b].members[0]].camera.pose;
@@ -326,12 +398,14 @@ class Planner {
       if (a.angle != b.angle) return a.angle < b.angle;
       return identity(scene_, scene_.backdrops[a.backdrop]) < identity(scene_, scene_.backdrops[b.backdrop]);
     });
-    fadeBackdrops(candidates, chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops()));
-    if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
-      plan_.nearDistance = 0.05 * candidates[0].distance;
+    chosen.meshes = ibr::chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops());
+    return chosen;
   }
 
-  void fadeBackdrops(const std::vector<BackdropCandidate>& candidates, std::vector<std::uint32_t> chosen) {
+  void fadeBackdrops(const ChosenBackdrops& backdrops) {
+    if (settings_.lowestTier < kTierBackdrop) return;
+    const std::vector<BackdropCandidate>& candidates = backdrops.candidates;
+    std::vector<std::uint32_t> chosen = backdrops.meshes;
     std::vector<std::uint32_t> inView;
     for (const BackdropCandidate& candidate : candidates) inView.push_back(candidate.backdrop);
     std::ranges::sort(inView);
@@ -344,8 +418,11 @@ class Planner {
         showMeshes(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount}, fadeStep());
     for (const ShownMesh& shown : plan_.next.backdrops) {
       const Pose& pose = scene_.nodes[scene_.backdrops[shown.mesh].members[0]].camera.pose;
-      plan_.backdrops.push_back({shown.mesh, shown.opacity, glm::distance(pose.position, middle_.position)});
+      plan_.backdrops.push_back({shown.mesh, shown.opacity, glm::distance(pose.position, middle_.position),
+                                 correctionOf(backdropCorrections_, shown.mesh)});
     }
+    if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
+      plan_.nearDistance = 0.05 * candidates[0].distance;
   }
 
   void mixSwitch() {
@@ -371,6 +448,7 @@ class Planner {
   FramePlan plan_;
   std::vector<std::array<glm::dvec3, 4>> planes_;  // by view
   Pose middle_;
+  Corrections corrections_, backdropCorrections_;
   double dt_ = 0;       // seconds since the frame before
   double seconds_ = 0;  // since the last switch, this frame
   bool mixing_ = false;

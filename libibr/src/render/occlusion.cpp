@@ -7,6 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
 
+#include "render/correction.h"
 #include "render/culling.h"
 #include "render/steps.h"
 
@@ -101,21 +102,26 @@ class ViewCover {
     findOpen();
   }
 
-  bool mayShow(const Cell& cell, const CellBounds& bounds, const Weights& weights, Morph morph) const {
+  glm::dvec3 eye() const { return camera_.pose.position; }
+
+  bool mayShow(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
     return std::ranges::any_of(open_, [&](const std::array<glm::dvec3, 4>& planes) {
-      return mayBeVisible(scene_, cell, bounds, planes, weights, morph, camera_.pose.position);
+      return mayBeVisible(scene_, cell, bounds, planes, placement);
     });
   }
 
-  void draw(const Cell& cell, const CellBounds& bounds, const Weights& weights, Morph morph) {
-    if (bounds.outline.empty() || !isInFront(cell, bounds, weights, morph)) return;
+  void draw(const Cell& cell, const CellBounds& bounds, const Placement& placement) {
+    if (bounds.outline.empty() || !isInFront(cell, bounds, placement)) return;
+    const auto& [weights, morph, eye, correction] = placement;
+    const glm::dquat rotation = glm::conjugate(camera_.pose.rotation);
     glm::dvec3 shift(0.0);
     std::array<glm::dmat3, 4> toView;
     for (std::size_t i = 0; i < cell.members.size(); ++i) {
       const Pose& pose = scene_.nodes[cell.members[i]].camera.pose;
-      toView[i] = weights[i] * glm::mat3_cast(glm::conjugate(camera_.pose.rotation) * glm::normalize(pose.rotation));
-      shift += weights[i] * (glm::conjugate(camera_.pose.rotation) * (pose.position - camera_.pose.position));
+      toView[i] = weights[i] * glm::mat3_cast(rotation * correction.rotation * glm::normalize(pose.rotation));
+      shift += weights[i] * (pose.position - eye);
     }
+    shift = rotation * corrected(correction, shift, eye);
     std::vector<glm::dvec2> pixels;
     for (const CellBounds::Corner& corner : bounds.corners) {
       glm::dvec3 d = morph == Morph::paper ? glm::dvec3(0.0) : double(corner.inverseDistance) * shift;
@@ -136,10 +142,10 @@ class ViewCover {
 
  private:
   // Behind the camera a projection is no map of the mesh. No vertex is there: a visible box could have none in front.
-  bool isInFront(const Cell& cell, const CellBounds& bounds, const Weights& weights, Morph morph) const {
+  bool isInFront(const Cell& cell, const CellBounds& bounds, const Placement& placement) const {
     const glm::dvec3 backward = camera_.pose.rotation * glm::dvec3(0, 0, 1);
     const std::array<glm::dvec3, 4> planes{backward, backward, backward, backward};
-    return !mayBeVisible(scene_, cell, bounds, planes, weights, morph, camera_.pose.position);
+    return !mayBeVisible(scene_, cell, bounds, planes, placement);
   }
 
   void findOpen() {
@@ -166,42 +172,43 @@ class ViewCover {
 void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) {
   std::vector<ViewCover> views;
   for (std::size_t v = 0; v < plan.views.size(); ++v) views.emplace_back(scene, plan, v);
-  const auto hidden = [&](const Cell& cell, const CellBounds& cellBounds, const PlannedCell& planned, Morph morph) {
+  const auto hidden = [&](const Cell& cell, const CellBounds& cellBounds, const auto& placementIn) {
     for (std::size_t v = 0; v < views.size(); ++v)
-      if (views[v].mayShow(cell, cellBounds, planned.view[v].position, morph)) return false;
+      if (views[v].mayShow(cell, cellBounds, placementIn(v))) return false;
     return true;
   };
-  PlannedCell single;
-  for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
   // One is hidden if it is where its first copy stands.
   std::vector<bool> begun(plan.backdrops.size(), false);
   const auto addBackdrop = [&](std::uint32_t b, double share) {
     PlannedBackdrop& planned = plan.backdrops[b];
     const Cell& backdrop = scene.backdrops[planned.backdrop];
     const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
-    if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, single, Morph::ours);
+    const auto placementIn = [&](std::size_t v) {
+      return Placement{{1, 0, 0, 0}, Morph::ours, views[v].eye(), planned.correction};
+    };
+    if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, placementIn);
     begun[b] = true;
     if (planned.hidden || share * planned.opacity < 1 || isMasked(scene, backdrop)) return;
-    for (std::size_t v = 0; v < views.size(); ++v)
-      views[v].draw(backdrop, backdropBounds, single.view[v].position, Morph::ours);
+    for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(backdrop, backdropBounds, placementIn(v));
   };
   const auto addCell = [&](const PlannedCell&, std::uint32_t c, std::uint32_t) {
     if (c == kNoCell) return;  // what leaves is drawn besides, and hides nothing
     PlannedCell& planned = plan.cells[c];
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
-    planned.hidden = hidden(cell, cellBounds, planned, plan.settings.morph);
+    const auto placementIn = [&](std::size_t v) {
+      return Placement{planned.view[v].position, plan.settings.morph, views[v].eye(), planned.correction};
+    };
+    planned.hidden = hidden(cell, cellBounds, placementIn);
     if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) return;  // one sees through masks
-    for (std::size_t v = 0; v < views.size(); ++v)
-      views[v].draw(cell, cellBounds, planned.view[v].position, plan.settings.morph);
+    for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
   };
   const BackdropShares shown = forTier0(plan, Order::current, scene.backdrops.size(), addBackdrop, addCell);
   // Tier 1 is drawn from one member, which moves its vertices.
-  for (PlannedCell& planned : plan.cells) {
-    PlannedCell alone;
-    for (PlannedCell::View& view : alone.view) view.position = planned.single;
-    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], alone, plan.settings.morph);
-  }
+  for (PlannedCell& planned : plan.cells)
+    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], [&](std::size_t v) {
+      return Placement{planned.single, plan.settings.morph, views[v].eye(), planned.correction};
+    });
   for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b)
     if (shown[b] < 1) addBackdrop(b, 1);
 }

@@ -36,7 +36,8 @@ struct Step {
   std::uint32_t table;  // colour slot
   std::uint32_t rank;   // of the cell, or of that before which a leaving one is drawn; of a backdrop among backdrops
   float extrapolation;  // PlannedCell::extrapolationDistance
-  bool hidden;          // with our order, better steps cover it for certain; not where overlaps are counted
+  const Correction* correction;  // of the plan, which must outlive the step
+  bool hidden;                   // with our order, better steps cover it for certain; not where overlaps are counted
 };
 
 /// Best first, without allocation.
