@@ -131,7 +131,10 @@ class Aligner {
     });
     if (pairs_.size() < kLeastPairs) return;
     for (SightPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
-    ties_.push_back({a, b, fitMotion(pairs_), std::sqrt(masses_[a] * masses_[b])});
+    MotionFit fit = fitMotion(pairs_);
+    // What no rigid motion explains are wrong matches or shapes, not poses: the less it explains, the less is done.
+    for (double& value : fit.motion) value *= fit.explained;
+    ties_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
   }
 
   // A·x of the normal equations.

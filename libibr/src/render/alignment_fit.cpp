@@ -49,6 +49,18 @@ struct Sums {
   }
 };
 
+// `squares`: of what is left of each pair's distance.
+double explained(std::span<const SightPair> pairs, std::span<const double> squares, double scale) {
+  double before = 0, after = 0;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const double weight = pairs[p].weight / (1 + squares[p] / scale);
+    const glm::dvec3 apart = pairs[p].to.direction - pairs[p].from.direction;
+    before += weight * glm::dot(apart, apart);
+    after += weight * squares[p];
+  }
+  return before > 0 ? std::max(1 - after / before, 0.0) : 0.0;
+}
+
 }  // namespace
 
 glm::dquat rotationOf(const Motion& motion) {
@@ -106,6 +118,7 @@ MotionFit fitMotion(std::span<const SightPair> pairs) {
     }
     const Motion step = solved(regular, pull);
     for (std::size_t i = 0; i < 6; ++i) fit.motion[i] += step[i];
+    fit.explained = explained(pairs, squares, scale);
   }
   return fit;
 }

@@ -29,6 +29,7 @@ struct SightPair {
 struct MotionFit {
   Motion motion{};
   std::array<Motion, 6> information{};
+  double explained = 0;  // 0 … 1: share of the pairs' squared distances that the motion takes away
 };
 MotionFit fitMotion(std::span<const SightPair> pairs);
 
