@@ -48,7 +48,7 @@ class SceneOnDevice final : public PlaceOnDevice {
     lastSettings_ = s;
     quiet_ = same ? quiet_ + moment.seconds : 0;
     const double fades = std::max({s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds,
-                                   s.exposure == Exposure::adapted ? 6 * s.exposureSeconds : 0.0});
+                                   plan_.next.exposure ? 6 * s.exposureSeconds : 0.0});
     restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1;
   }
 

@@ -27,7 +27,8 @@ glm::dvec3 plannedExposure(const Scene& scene, double seconds, const PlanState& 
   const RenderSettings& settings = plan.settings;
   plan.next.exposure = std::nullopt;
   if (settings.exposure != Exposure::adapted) return glm::dvec3(1.0);
-  const std::optional<glm::dvec3> wanted = wantedExposure(scene, plan);
+  std::optional<glm::dvec3> wanted = wantedExposure(scene, plan);
+  if (wanted == glm::dvec3(0.0) && !state.exposure) wanted = std::nullopt;  // no gains: nothing to adapt to
   plan.next.exposure = wanted ? wanted : state.exposure;
   if (wanted && state.exposure && settings.exposureSeconds > 0)
     plan.next.exposure = *wanted + std::exp(-seconds / settings.exposureSeconds) * (*state.exposure - *wanted);
