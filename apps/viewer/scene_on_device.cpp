@@ -47,9 +47,11 @@ class SceneOnDevice final : public PlaceOnDevice {
     lastView_ = view;
     lastSettings_ = s;
     quiet_ = same ? quiet_ + moment.seconds : 0;
-    const double fades = std::max({s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds,
-                                   plan_.next.exposure ? 6 * s.exposureSeconds : 0.0});
-    restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1;
+    const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
+    const std::optional<glm::dvec3>& exposure = plan_.next.exposure;
+    const bool adapts = exposure && lastExposure_ && glm::distance(*exposure, *lastExposure_) > 1e-4;
+    lastExposure_ = exposure;
+    restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts;
   }
 
   bool restless() const override { return restless_; }
@@ -160,6 +162,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   GpuScene::Streamed streamed_;
   Camera lastView_;
   RenderSettings lastSettings_;
+  std::optional<glm::dvec3> lastExposure_;  // that the eye had adapted to, logarithms
   double quiet_ = 0;
   bool restless_ = true;
 };
