@@ -72,7 +72,8 @@ class LeaveOneOut {
     build_.finishedCells = work_ / "cells";
   }
 
-  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress, Progress place) {
+  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress,
+                       Progress place) {
     if (auto kept = fetch(view.name)) return *kept;
     ViewOutcome outcome;
     try {
@@ -117,7 +118,8 @@ class LeaveOneOut {
     }
   }
 
-  ViewOutcome rebuiltWithout(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress, Progress place) {
+  ViewOutcome rebuiltWithout(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress,
+                             Progress place) {
     BuildOptions build = build_;
     build.exclude.push_back(view.name);
     fs::remove_all(build.output);

@@ -6,10 +6,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <random>
 
 #include "base/check.h"
 #include "base/file.h"
+#include "base/random.h"
 #include "batch/colmap_views.h"
 #include "batch/command.h"
 #include "batch/synth_court.h"
@@ -41,16 +41,6 @@ struct Options {
   NoiseOptions noise;
   PictureSize size;
   TextureFormat texture = TextureFormat::rgba8;
-};
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// The same with every standard library.
-  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
 };
 
 glm::dquat turned(double yaw, double pitch) {

@@ -148,7 +148,9 @@ class Builder {
     if (std::ranges::all_of(moved, &Image8::empty)) return false;
     report_.masks.clear();
     std::vector<Image8> masks(moved.size());
-    jobs_.runAll("masking what moved", moved.size(), 0, [&](std::size_t i) {
+    double bytes = 0;
+    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
+    jobs_.runAll("masking what moved", moved.size(), bytes, [&](std::size_t i) {
       Photograph& photo = input_.photographs[i];
       masks[i] = storedMask(photo);
       if (moved[i].empty()) return;

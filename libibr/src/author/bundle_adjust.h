@@ -5,8 +5,8 @@
 //   ρ           soft L1: squares up to `softPx`, distances beyond it
 //   pose        a rotation about the camera's axes and a shift in the world, both since the start
 //   intrinsics  a factor of both focal lengths and a shift of the principal point; cameras may share them
-//   point       a direction and an inverse distance from the middle of those that see it: infinity is a place like
-//   others
+//   point       a direction and an inverse distance from the middle of those that see it, so that infinity is a place
+//               like others
 //
 // By Ceres: Levenberg–Marquardt, points eliminated (Schur complement), on one thread: the same input, the same bits.
 #pragma once

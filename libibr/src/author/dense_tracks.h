@@ -3,8 +3,7 @@
 //
 //   1. seeds on a grid in each photograph
 //   2. each is looked up in every cell that has the photograph: in the nearest triangle of tier 0 over it, whose
-//   corners'
-//      matches say where the other members see it
+//      corners' matches say where the other members see it
 //   3. what cells say of the same member must agree; where two are more than 1 px apart, nothing is said of it
 // A track is a star: a photograph's point in all that share a cell with it.
 #pragma once

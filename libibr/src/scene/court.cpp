@@ -8,9 +8,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <numbers>
-#include <random>
 
 #include "base/check.h"
+#include "base/random.h"
 
 namespace ibr {
 namespace {
@@ -24,16 +24,6 @@ constexpr double kWallHeight = 6, kEyes = 1.6;
 constexpr double kFovY = 0.9;                        // rad
 constexpr int kTracksAcross = 14, kTracksDown = 10;  // that each photograph begins
 constexpr std::uint32_t kReach = 12;                 // photographs before and after one that may see the same
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// The same with every standard library.
-  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 // A wall of the court seen from inside: where it begins, along it, and into the court.
 struct Wall {

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pseudo-random numbers that are the same with every standard library: its distributions are not.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace ibr {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  /// At least `low`, less than `high` but for rounding; multiples of 2⁻⁵³ of their distance.
+  double uniform(double low, double high) { return low + (high - low) * double(engine_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace ibr
