@@ -58,7 +58,7 @@ class Builder {
     describe();
     makeCells();
     if (options_.removeMovers && maskMovers()) makeCells();  // those whose photographs have new masks
-    measureExposures();
+    takeExposures();
     if (options_.backdrops) makeBackdrops();
     listUnused();
     if (options_.finish) finish();
@@ -259,10 +259,10 @@ class Builder {
     return true;
   }
 
-  void measureExposures() {
-    const std::vector<glm::dvec3> gains = exposureGains(input_.photographs, input_.model, scene_.cells, jobs_);
-    for (std::size_t n = 0; n < gains.size(); ++n) scene_.nodes[n].gain = gains[n];
-    if (log_ && !gains.empty()) log_(LogLevel::info, describedGains(gains));
+  void takeExposures() {
+    const Exposures exposures = measureExposures(input_.photographs, input_.model, scene_, jobs_);
+    for (std::size_t n = 0; n < exposures.gains.size(); ++n) scene_.nodes[n].gain = exposures.gains[n];
+    if (log_) log_(LogLevel::info, describedExposures(exposures));
   }
 
   void listUnused() {

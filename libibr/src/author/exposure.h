@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
@@ -26,27 +27,51 @@ namespace ibr {
 
 /// A point that two photographs show.
 struct ExposureMatch {
-  std::uint32_t first = 0, second = 0;  // photographs, different
-  glm::dvec3 ratio{0};                  // log of the linear light of the first over that of the second: R, G, B
-  double deviation = 1;                 // one standard deviation of it, > 0
+  std::uint32_t first = 0, second = 0;       // photographs, different
+  glm::dvec3 ratio{0};                       // log of the linear light of the first over that of the second: R, G, B
+  double deviation = 1;                      // one standard deviation of it, > 0
+  double firstRadius = 0, secondRadius = 0;  // from the principal point, in half diagonals of the picture
 };
 
-/// What the cells' vertices of tier 0 say, at most 1000 a cell, and the model's tracks, which also join photographs
-/// that no cell does: means of linear light over small windows, where nothing is clipped. `model`: of these
-/// photographs. Throws Error{cancelled}, and what reading a photograph throws.
+/// What the cells' vertices of tier 0 say, at most 1000 a cell; what overlaps say of photographs that no cell joins
+/// (author/exposure_overlap.h); and the model's tracks of photographs that neither joins: means of linear light over
+/// small windows, where nothing is clipped or masked. `model`: of these photographs, `scene`: its nodes are these, with
+/// its cells. Throws Error{cancelled}, and what reading a photograph throws.
 std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
-                                           const std::vector<Cell>& cells, const BuildJobs& jobs);
+                                           const Scene& scene, const BuildJobs& jobs);
 
-/// Gains, one a photograph: each times the photograph, in linear light, is as the others are. EXIF, where it is given
-/// for every photograph, helps where matches are few: it knows exposures to about a third of a stop.
-std::vector<glm::dvec3> solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
-                                       const std::vector<CaptureFacts>& exif = {});
+struct Exposures {
+  std::vector<glm::dvec3> gains;  // one a photograph: each times it, in linear light, is as the others are
+  std::size_t measured = 0;       // photographs that matches join to others
+  std::size_t parts = 0;          // of these, that no match joins to each other
+  bool alike = false;             // no gain that was measured is 1 % off, so that all are 1
+};
+
+/// EXIF, where it is given for every photograph, helps where matches are few: it knows exposures to about a third of a
+/// stop. What of it or of a match is not finite says nothing.
+Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
+                         const std::vector<CaptureFacts>& exif = {});
 
 /// How far apart they are, for people.
-std::string describedGains(const std::vector<glm::dvec3>& gains);
+std::string describedExposures(const Exposures& exposures);
 
-/// Both.
-std::vector<glm::dvec3> exposureGains(const std::vector<Photograph>& photographs, const PosedModel& model,
-                                      const std::vector<Cell>& cells, const BuildJobs& jobs);
+/// Lenses shade a picture's corners: to the share exp(k.x·r² + k.y·r⁴) of the light, r from the principal point in half
+/// diagonals (even powers: the shade is smooth in its middle).
+inline double logVignetting(glm::dvec2 k, double radius) {
+  const double square = radius * radius;
+  return square * (k.x + square * k.y);
+}
+
+/// k of each photograph, from the same matches. `lenses`: of each photograph its lens's number, from 0.
+std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
+                                        const std::vector<std::uint32_t>& lenses);
+
+/// As photographs without it would have matched.
+std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
+                                             const std::vector<glm::dvec2>& vignetting);
+
+/// Matches and gains.
+Exposures measureExposures(const std::vector<Photograph>& photographs, const PosedModel& model, const Scene& scene,
+                           const BuildJobs& jobs);
 
 }  // namespace ibr

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <limits>
 #include <random>
 
 using namespace ibr;
@@ -13,6 +14,11 @@ using namespace ibr;
 namespace {
 
 using Gains = std::vector<glm::dvec3>;
+
+Gains gainsOf(std::size_t photographs, const std::vector<ExposureMatch>& matches,
+              const std::vector<CaptureFacts>& exif = {}) {
+  return solveExposures(photographs, matches, exif).gains;
+}
 
 // Gains between 1/span and span, of mean log 0.
 Gains planted(std::size_t photographs, double span, std::uint64_t seed = 1) {
@@ -59,7 +65,7 @@ TEST_CASE("planted gains come back") {
     for (const std::size_t photographs : {2, 3, 40}) {
       const Gains gains = planted(photographs, span);
       INFO(span << ", " << photographs);
-      CHECK(worst(solveExposures(photographs, ring(gains, 30, 0)), gains) < 1e-6);
+      CHECK(worst(gainsOf(photographs, ring(gains, 30, 0)), gains) < 1e-6);
     }
 }
 
@@ -68,7 +74,7 @@ TEST_CASE("planted gains come back though three tenths of the matches are wrong,
     for (const std::size_t photographs : {2, 12}) {
       const Gains gains = planted(photographs, span);
       INFO(span << ", " << photographs);
-      CHECK(worst(solveExposures(photographs, ring(gains, 200, 0.3)), gains) < 1e-4);
+      CHECK(worst(gainsOf(photographs, ring(gains, 200, 0.3)), gains) < 1e-4);
     }
 }
 
@@ -78,16 +84,16 @@ TEST_CASE("noise averages out") {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   for (ExposureMatch& m : matches) m.ratio += m.deviation * glm::dvec3(normal(random), normal(random), normal(random));
-  CHECK(worst(solveExposures(10, matches), gains) < 0.02);
+  CHECK(worst(gainsOf(10, matches), gains) < 0.02);
 }
 
 TEST_CASE("the order of photographs and of matches changes nothing") {
   const Gains gains = planted(8, 3);
   const std::vector<ExposureMatch> matches = ring(gains, 50, 0.2);
-  const Gains first = solveExposures(8, matches);
+  const Gains first = gainsOf(8, matches);
   std::vector<ExposureMatch> turned(matches.rbegin(), matches.rend());
   for (ExposureMatch& m : turned) m = {7 - m.second, 7 - m.first, -m.ratio, m.deviation};
-  Gains second = solveExposures(8, turned);
+  Gains second = gainsOf(8, turned);
   std::ranges::reverse(second);
   CHECK(worst(first, second) < 1e-9);
 }
@@ -101,12 +107,12 @@ TEST_CASE("parts that no match joins keep their own mean, and photographs withou
     matches.push_back(m);
   }
   matches.push_back({0, 7, glm::dvec3(2.0), 0.01});  // one alone says nothing
-  const Gains gains = solveExposures(8, matches);
+  const Gains gains = gainsOf(8, matches);
   CHECK(worst(Gains(gains.begin(), gains.begin() + 4), left) < 1e-6);
   CHECK(worst(Gains(gains.begin() + 4, gains.begin() + 7), right) < 1e-6);
   CHECK(gains[7] == glm::dvec3(1.0));
-  CHECK(solveExposures(2, {}) == Gains(2, glm::dvec3(1.0)));
-  CHECK(solveExposures(0, {}).empty());
+  CHECK(gainsOf(2, {}) == Gains(2, glm::dvec3(1.0)));
+  CHECK(gainsOf(0, {}).empty());
 }
 
 TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields to matches") {
@@ -119,18 +125,56 @@ TEST_CASE("EXIF tells the exposure of a photograph without matches, and yields t
   std::vector<ExposureMatch> matches = ring({gains[0], gains[1]}, 50, 0);
   // The third lets in four times as much as the first, and four times as little as the second should say.
   const std::vector<CaptureFacts> exif{exposed(0.01), exposed(0.04), exposed(0.04)};
-  CHECK(worst(solveExposures(3, matches, exif), {gains[0], gains[1], gains[1]}) < 1e-6);
+  CHECK(worst(gainsOf(3, matches, exif), {gains[0], gains[1], gains[1]}) < 1e-6);
   // Matches of many points outweigh what is written down.
   const std::vector<CaptureFacts> wrong{exposed(0.04), exposed(0.01), {}};
-  CHECK(worst(solveExposures(3, matches, wrong), {gains[0], gains[1], glm::dvec3(1.0)}) < 0.01);
+  CHECK(worst(gainsOf(3, matches, wrong), {gains[0], gains[1], glm::dvec3(1.0)}) < 0.01);
   // Another camera says nothing about the first two.
   std::vector<CaptureFacts> other = exif;
   other[2].model = "M2";
-  CHECK(solveExposures(3, matches, other)[2] == glm::dvec3(1.0));
+  CHECK(gainsOf(3, matches, other)[2] == glm::dvec3(1.0));
 }
 
 TEST_CASE("gains stay within what a scene may hold") {
-  const Gains gains = solveExposures(2, std::vector<ExposureMatch>(20, {0, 1, glm::dvec3(40.0), 0.1}));
+  const Gains gains = gainsOf(2, std::vector<ExposureMatch>(20, {0, 1, glm::dvec3(40.0), 0.1}));
   CHECK(gains[0].r == Approx(1 / kLargestGain));
   CHECK(gains[1].r == Approx(kLargestGain));
+}
+
+TEST_CASE("gains that nobody would see are none") {
+  Gains gains = planted(5, 1.009);
+  Exposures exposures = solveExposures(5, ring(gains, 30, 0));
+  CHECK(exposures.alike);
+  CHECK(exposures.gains == Gains(5, glm::dvec3(1)));
+  CHECK(exposures.measured == 5);
+  CHECK(describedExposures(exposures).find("alike") != std::string::npos);
+  for (glm::dvec3& gain : gains) gain.b = 1;
+  gains[2].b = 1.03;
+  exposures = solveExposures(5, ring(gains, 30, 0));  // one channel of one of them is enough
+  CHECK(!exposures.alike);
+  CHECK(exposures.gains[2].b > 1.02);
+}
+
+TEST_CASE("eight stops apart") {
+  const Gains gains = planted(6, 16);
+  CHECK(worst(gainsOf(6, ring(gains, 100, 0.2)), gains) < 1e-4);
+}
+
+TEST_CASE("what is not finite says nothing") {
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const Gains gains = planted(4, 2);
+  std::vector<ExposureMatch> matches = ring(gains, 40, 0);
+  for (const double bad : {nan, infinity, -infinity}) {
+    matches.push_back({0, 1, glm::dvec3(0, bad, 0), 0.1});
+    matches.push_back({1, 2, glm::dvec3(0.0), bad});
+  }
+  matches.push_back({1, 2, glm::dvec3(0.0), 0});
+  matches.push_back({1, 2, glm::dvec3(0.0), -1});
+  std::vector<CaptureFacts> exif(4);
+  exif[0] = {.exposureTime = nan, .fNumber = 4, .iso = 100};
+  exif[1] = {.exposureTime = 0.01, .fNumber = 0, .iso = 100};
+  exif[2] = {.exposureTime = infinity, .fNumber = 4, .iso = 100};
+  exif[3] = {.exposureTime = 0.01, .fNumber = 4, .iso = -100};
+  CHECK(worst(gainsOf(4, matches, exif), gains) < 1e-6);
+  CHECK(gainsOf(4, {}, exif) == Gains(4, glm::dvec3(1)));
 }
