@@ -78,10 +78,10 @@ double BackdropMaker::bytes() const {
   double most = 0;
   for (std::size_t i = 0; i < cellsWith_.size(); ++i) {
     const glm::ivec2 size = backdropSize(input_.photographs[i].camera.intrinsics);
-    const double depths = double(sizeof(float)) * size.x * size.y * double(cellsWith_[i].size());
-    most = std::max(most, depths + bytesToLoad(input_.photographs[i]));
+    const double pixel = kBackdropBytesPerPixel + double(sizeof(float)) * double(cellsWith_[i].size());
+    most = std::max(most, pixel * size.x * size.y + bytesToLoad(input_.photographs[i]));
   }
-  return kBackdropBytes + most;
+  return most;
 }
 
 }  // namespace ibr

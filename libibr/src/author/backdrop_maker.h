@@ -11,7 +11,7 @@
 
 namespace ibr {
 
-inline constexpr double kBackdropBytes = 200e6;  // of memory that completing a depth and its mesh take
+inline constexpr double kBackdropBytesPerPixel = 100;  // of memory that completing a depth and its mesh take
 
 class BackdropMaker {
  public:

@@ -210,9 +210,13 @@ class Builder {
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
       std::vector<MadeCell> made(wanted.size());
-      double kept = 0;
-      for (const CellMembers& members : wanted) kept += bytesKept(maker.work(members)) / double(wanted.size());
-      jobs_.runAll(stage, wanted.size(), maker.bytes(), [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
+      double kept = 0, most = 0;
+      for (const CellMembers& members : wanted) {
+        const CellWork work = maker.work(members);
+        kept += bytesKept(work) / double(wanted.size());
+        most = std::max(most, bytesToMake(work));
+      }
+      jobs_.runAll(stage, wanted.size(), most, [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
       std::vector<CellMembers> failed;
       for (std::size_t c = 0; c < wanted.size(); ++c)
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);

@@ -52,6 +52,14 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   return stages;
 }
 
+double bytesToMake(const CellWork& cell) {
+  constexpr double kFrame = 70, kOfMember = 12, kOfLevel = 0.75;  // a pixel of the frame; costs are of half its size
+  constexpr double kOther = 300;
+  constexpr double kInFull = 8;  // a pixel beyond the matched ones: RGB once, grey of four
+  const double pixel = cell.swept ? kFrame + kOfMember * double(cell.members) + kOfLevel * cell.levels : kOther;
+  return cell.loadingBytes + pixel * cell.pixels + kInFull * cell.beyondPixels;
+}
+
 double bytesKept(const CellWork& cell) {
   constexpr double kBytesPerPixel = 2;
   return kBytesPerPixel * cell.pixels;

@@ -18,7 +18,10 @@ struct CellWork {
   double pixels = 0;  // of the frame in which it is matched
   double levels = 0;  // of the sweep
   std::size_t members = 0;
-  double readPixels = 0;  // of the members' files
+  double readPixels = 0;    // of the members' files
+  double loadingBytes = 0;  // of memory, while one member is read
+  double beyondPixels = 0;  // of one member, beyond those that are matched
+  bool swept = true;        // if not, matched by flow, by homographies, or of panoramas
 };
 
 /// All that a build has to do. Pixels are summed over photographs.
@@ -53,6 +56,9 @@ struct StageThreads {
 };
 std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
                               const MachineSpeed& speed);
+
+/// Bytes of memory that making the cell takes, at most; of the sweep mostly its volume of costs and of their sums.
+double bytesToMake(const CellWork& cell);
 
 /// Bytes of memory that the meshes of finished cells take, about, and of the disk.
 double bytesKept(const CellWork& cell);

@@ -24,10 +24,11 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kTypicalLevels = 100, kTypicalMembers = 3;  // of cells that are not planned yet
-constexpr double kPngBytes = 2, kJpegBytes = 0.8;            // of a pixel of a picture that is written anew
-constexpr double kFeatureBytes = 3e6;                        // of a photograph's features, kept while it is built
-constexpr double kProgram = 60e6;                            // of memory, whatever the work
+constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
+constexpr std::size_t kTypicalMembers = 3;
+constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
+constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
+constexpr double kProgram = 60e6;                  // of memory, whatever the work
 
 double pixelsOf(const Intrinsics& k) {
   return double(k.width) * k.height;
@@ -77,11 +78,11 @@ class Predictor {
       if (!photo.copied) work_.encodedPixels += pixelsOf(k);
       made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
       storing_ = std::max(storing_, bytesToStore(photo));
-      loading_ = std::max(loading_, bytesToLoad(photo));
       if (!options_.backdrops || isPanorama(photo)) continue;
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
+      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
@@ -93,8 +94,12 @@ class Predictor {
     work_.pairs = pairs.size();
     std::set<std::uint32_t> images;
     for (const auto& [a, b] : pairs) images.insert({a, b});
-    for (const std::uint32_t i : images)
-      work_.featurePixels += pixelsOf(matchedCamera(input_.photographs[i].camera).intrinsics);
+    for (const std::uint32_t i : images) {
+      const Photograph& photo = input_.photographs[i];
+      const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+      work_.featurePixels += pixels;
+      features_ = std::max(features_, bytesToLoad(photo) + kFeatureBytesPerPixel * std::min(pixels, kFeaturePixels));
+    }
     made_.disk += kFeatureBytes * double(images.size());
   }
 
@@ -103,12 +108,17 @@ class Predictor {
     if (plan_) {
       for (const CellMembers& members : plan_->cells) work_.cells.push_back(maker_.work(members));
     } else {
-      for (const Photograph& photo : input_.photographs)
-        work_.cells.push_back({pixelsOf(matchedCamera(photo.camera).intrinsics), kTypicalLevels,
-                               std::size_t(kTypicalMembers), kTypicalMembers * photo.sourcePixels});
+      for (const Photograph& photo : input_.photographs) {
+        const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+        work_.cells.push_back({pixels, kTypicalLevels, kTypicalMembers, double(kTypicalMembers) * photo.sourcePixels,
+                               bytesToLoad(photo), pixelsOf(photo.camera.intrinsics) - pixels});
+      }
     }
     made_.cells = work_.cells.size();
-    for (const CellWork& cell : work_.cells) kept_ += bytesKept(cell);
+    for (const CellWork& cell : work_.cells) {
+      kept_ += bytesKept(cell);
+      matching_ = std::max(matching_, bytesToMake(cell));
+    }
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
       if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
@@ -128,9 +138,9 @@ class Predictor {
     const std::size_t photographs = input_.photographs.size();
     StageThreads side;
     side.storing = threads(storing_, 0, photographs);
-    side.features = work_.pairs > 0 ? threads(loading_ + kFeatureBytesPerPixel * kFeaturePixels, 0, photographs) : 1;
-    side.cells = threads(maker_.bytes(), kept_, std::max<std::size_t>(work_.cells.size(), 1));
-    if (work_.backdrops > 0) side.backdrops = threads(kBackdropBytes + loading_, kept_, work_.backdrops);
+    side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
+    side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
+    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);
@@ -146,8 +156,8 @@ class Predictor {
   const CellPlan* const plan_;
   const CellMaker maker_;
   BuildWork work_;
-  double storing_ = 0, loading_ = 0;  // bytes of memory of one photograph, at most
-  double kept_ = 0;                   // bytes of all meshes
+  double storing_ = 0, features_ = 0, matching_ = 0, completing_ = 0;  // bytes of memory of one job, at most
+  double kept_ = 0;                                                    // bytes of all meshes
   BuildPrediction made_;
 };
 
@@ -167,7 +177,8 @@ BuildPrediction predictWithoutPoses(const BuildOptions& options) {
       continue;
     }
     const bool turned = info.orientation >= 5;
-    PosedImage image{name, {pinholeFromFov(turned ? info.height : info.width, turned ? info.width : info.height, 1), {}}};
+    PosedImage image{name,
+                     {pinholeFromFov(turned ? info.height : info.width, turned ? info.width : info.height, 1), {}}};
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
     input.model.images.push_back(std::move(image));
   }

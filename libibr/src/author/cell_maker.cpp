@@ -23,8 +23,6 @@ namespace ibr {
 namespace {
 
 constexpr std::uint64_t kVersion = 13;   // of the cells' making: raise it when they come out differently
-constexpr double kBytesPerPixel = 400;  // that matching takes, of one member's pixels
-constexpr double kBytesInFull = 8;      // of one member's pixels beyond those that are matched: RGB once, grey of four
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 
@@ -178,13 +176,19 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   std::vector<Camera> cameras, halves;
   for (const std::uint32_t i : members) {
     const Camera camera = matchedCamera(input_.photographs[i].camera);
-    work.readPixels += input_.photographs[i].sourcePixels;
-    const Intrinsics& k = camera.intrinsics;
-    work.pixels = std::max(work.pixels, double(k.width) * k.height);
+    const Photograph& photograph = input_.photographs[i];
+    const Intrinsics &k = camera.intrinsics, &stored = photograph.camera.intrinsics;
+    const double pixels = double(k.width) * k.height;
+    work.readPixels += photograph.sourcePixels;
+    work.loadingBytes = std::max(work.loadingBytes, bytesToLoad(photograph));
+    work.beyondPixels = std::max(work.beyondPixels, double(stored.width) * stored.height - pixels);
+    work.pixels = std::max(work.pixels, pixels);
     cameras.push_back(camera);
     if (!isPanorama(input_.photographs[i]))
       halves.push_back({resized(k, std::max(k.width / 2, 1), std::max(k.height / 2, 1)), camera.pose});
   }
+  work.swept = halves.size() == members.size() &&
+               (options_.matcher == MatchMethod::automatic || options_.matcher == MatchMethod::sweep);
   if (halves.size() < members.size()) return work;
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
@@ -196,15 +200,6 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   frame.intrinsics = resized(k, std::max(k.width / 2, 1), std::max(k.height / 2, 1));
   work.levels = sweepLevels(frame, halves, std::move(depths)).count();
   return work;
-}
-
-double CellMaker::bytes() const {
-  double pixels = 0, loading = 0;
-  for (const Photograph& photograph : input_.photographs) {
-    pixels = std::max(pixels, double(photograph.camera.intrinsics.width) * photograph.camera.intrinsics.height);
-    loading = std::max(loading, bytesToLoad(photograph));
-  }
-  return loading + kBytesPerPixel * std::min(pixels, kMatchPixels) + kBytesInFull * std::max(pixels - kMatchPixels, 0.0);
 }
 
 }  // namespace ibr

@@ -43,9 +43,6 @@ class CellMaker {
   /// What making one has to do. Of panoramas, and of cells whose points lie behind them, roughly.
   CellWork work(const std::vector<std::uint32_t>& members) const;
 
-  /// The memory that making one takes at most.
-  double bytes() const;
-
  private:
   const BuildInput& input_;
   const BuildOptions& options_;

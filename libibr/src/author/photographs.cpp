@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kReadingVersion = 2;  // of files: raise it when pictures come out of them differently
-constexpr double kBytesPerPixel = 14;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
+constexpr double kBytesPerPixel = 20;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
