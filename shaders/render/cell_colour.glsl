@@ -28,6 +28,7 @@ layout(location = 4) flat in uint inCell;
 layout(location = 5) flat in float inDetail;
 
 layout(set = kSetFrame, binding = kBindingParameters, scalar) readonly buffer Parameters { CellParameters cells[]; };
+layout(set = kSetFrame, binding = kBindingExposures, scalar) readonly buffer Exposures { CellExposure exposures[]; };
 layout(set = kSetFrame, binding = kBindingNoise, scalar) readonly buffer Noise { uint noiseRank[]; };
 layout(set = kSetCell, binding = 0) uniform sampler2DArray photograph0;
 layout(set = kSetCell, binding = 1) uniform sampler2DArray photograph1;
@@ -109,6 +110,11 @@ Sampling sampling(int member, float detail) {
   return s;
 }
 
+vec3 exposed(int member, vec3 colour) {
+  if (!kExposed) return colour;
+  return exposedColour(colour, exposures[inCell].member[member].gain, exposures[inCell].member[member].slope);
+}
+
 // Share of tap k, −reach to reach, in what `member` shows, by the sampler in `slot`. All of a pinhole is tap 0.
 vec4 tap(int slot, int member, Sampling s, float k) {
   const float share = clamp(s.reach + 1.0 - abs(k), 0.0, 1.0) / (1.0 + 2.0 * s.reach);
@@ -122,10 +128,7 @@ vec4 tap(int slot, int member, Sampling s, float k) {
       colour.rgb += (1.0 - coarser) * (cubic(slot, coordinate, isPanorama(member)) - linear);
     }
   }
-  if (kExposed) {
-    const CellMember shown = cells[inCell].member[member];
-    colour.rgb = exposedColour(colour.rgb, shown.gain, shown.slope);
-  }
+  colour.rgb = exposed(member, colour.rgb);
   return share * colour;
 }
 

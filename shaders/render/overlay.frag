@@ -51,7 +51,7 @@ vec3 weightsColour() {
 float luminanceAt(int member, Sampling here, vec3 coordinate) {
   const vec2 at = isPanorama(member) ? panoramaCoordinate(normalize(coordinate)) : coordinate.xy / coordinate.z;
   const vec3 colour = photograph(member, vec3(at, float(cells[inCell].member[member].layer)), here.dx, here.dy).rgb;
-  return dot(colour, vec3(0.299, 0.587, 0.114));
+  return dot(exposed(member, colour), vec3(0.299, 0.587, 0.114));
 }
 
 float agreement() {

@@ -13,6 +13,7 @@ IBR_CONSTANT int kSetCell = 1;
 IBR_CONSTANT int kBindingParameters = 0;   // of kSetFrame: CellParameters[]
 IBR_CONSTANT int kBindingNoise = 1;        // of kSetFrame: uint[kNoiseSize²], each rank once
 IBR_CONSTANT int kBindingFrameTables = 2;  // of kSetFrame: colour tables, read where colours are mapped
+IBR_CONSTANT int kBindingExposures = 3;    // of kSetFrame: CellExposure[], read where photographs have gains
 IBR_CONSTANT int kNoiseSize = 64;
 IBR_CONSTANT uint kBlend = 0u;   // how colours become one: [T] eq. 6
 IBR_CONSTANT uint kDither = 1u;  // eq. 7
@@ -35,8 +36,6 @@ struct CellMember {
   float position;  // λ_i, weight of the vertex position
   float blend;     // λ̂_i, weight of the colour
   uint layer;      // of the member's array image
-  vec3 gain;       // of the photograph's linear light; 1 where it is shown as it is
-  vec3 slope;      // gain^(1 / 2.4)
 };
 
 struct CellParameters {
@@ -50,6 +49,16 @@ struct CellParameters {
   uint table;       // colour table
   float opacity;    // share of pixels that are drawn, chosen by blue noise
   uvec2 noise;      // added to the pixel that noise is looked up for: less than kNoiseSize
+};
+
+struct MemberExposure {
+  vec3 gain;   // of the photograph's linear light; 1 where it is shown as it is
+  vec3 slope;  // gain^(1 / 2.4)
+};
+
+/// Beside the CellParameters of the same index.
+struct CellExposure {
+  MemberExposure member[kMaxMembers];
 };
 
 /// How much of a member its mask leaves where the mask's texels have this mean: all of it inside, nothing as soon as

@@ -234,6 +234,25 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
   return ab / std::sqrt(aa * bb);
 }
 
+// The photograph with its gain, where photographs are shown so (shared/cell.h, exposedValue).
+Texel exposed(const Step& step, std::size_t member, Texel texel) {
+  if (step.plan.settings.exposure == Exposure::off) return texel;
+  const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
+  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
+  const double share = std::clamp((largest(texel.colour) - 0.9) / 0.09, 0.0, 1.0);  // that is clipped
+  for (int c = 0; c < 3; ++c) {
+    const double slope = std::pow(gain[c], 1 / 2.4), before = texel.colour[c];
+    const double curved = slope * (before + 0.055) - 0.055, straight = gain[c] * before;
+    const double after = gain[c] < 1 ? std::max(curved, straight) : std::min(curved, straight);
+    texel.colour[c] = after < before ? after + share * (before - after) : after;
+  }
+  // The slope of what is above: at the clipped end a level makes much of a difference.
+  const double most = std::max(1.0, largest(gain)) + (brightest > 0.9 ? 1 / 0.09 : 0.0);
+  texel.range = most * texel.range + 128 * (most - 1);  // devices filter to about a level, which the gain multiplies
+  texel.levelRange *= most;
+  return texel;
+}
+
 // Of pinholes.
 double agreement(const Step& step, const Triangle& t, const std::vector<std::vector<Image8>>& textures, int x, int y) {
   const std::size_t members = step.cell.members.size();
@@ -259,9 +278,9 @@ double agreement(const Step& step, const Triangle& t, const std::vector<std::vec
     const double footprint = std::max(glm::length(cx * size), glm::length(cy * size));
     for (int j = -shader::kAgreementReach; j <= shader::kAgreementReach; ++j)
       for (int n = -shader::kAgreementReach; n <= shader::kAgreementReach; ++n) {
-        const glm::dvec3 colour =
-            trilinear(levels, coordinate(point(here) + double(n) * dx + double(j) * dy), footprint, false, false)
-                .colour;
+        const Texel texel =
+            trilinear(levels, coordinate(point(here) + double(n) * dx + double(j) * dy), footprint, false, false);
+        const glm::dvec3 colour = exposed(step, i, texel).colour;
         windows[i].push_back(glm::dot(colour, glm::dvec3(0.299, 0.587, 0.114)));
       }
   }
@@ -282,25 +301,6 @@ float noiseAt(int x, int y) {
   x %= shader::kNoiseSize;
   y %= shader::kNoiseSize;
   return shader::noiseFromRank(noiseRanks()[std::size_t(y * shader::kNoiseSize + x)]);
-}
-
-// The photograph with its gain, where photographs are shown so (shared/cell.h, exposedValue).
-Texel exposed(const Step& step, std::size_t member, Texel texel) {
-  if (step.plan.settings.exposure == Exposure::off) return texel;
-  const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
-  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
-  const double share = std::clamp((largest(texel.colour) - 0.9) / 0.09, 0.0, 1.0);  // that is clipped
-  for (int c = 0; c < 3; ++c) {
-    const double slope = std::pow(gain[c], 1 / 2.4), before = texel.colour[c];
-    const double curved = slope * (before + 0.055) - 0.055, straight = gain[c] * before;
-    const double after = gain[c] < 1 ? std::max(curved, straight) : std::min(curved, straight);
-    texel.colour[c] = after < before ? after + share * (before - after) : after;
-  }
-  // The slope of what is above: at the clipped end a level makes much of a difference.
-  const double most = std::max(1.0, largest(gain)) + (brightest > 0.9 ? 1 / 0.09 : 0.0);
-  texel.range = most * texel.range + 128 * (most - 1);  // devices filter to about a level, which the gain multiplies
-  texel.levelRange *= most;
-  return texel;
 }
 
 // What masks leave of the members' weights, which sum to 1 or are all 0.

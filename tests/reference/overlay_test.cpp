@@ -234,6 +234,28 @@ TEST_CASE("overlays show what the twin says") {
     }
 }
 
+TEST_CASE("photographs agree as they are shown: with their gains") {
+  SyntheticScene made = richPlace();
+  for (std::size_t n = 0; n < made.scene.nodes.size(); ++n)
+    made.scene.nodes[n].gain = std::array<glm::dvec3, 3>{{{0.05, 6, 0.1}, {1, 1, 1}, {8, 0.1, 2}}}[n % 3];
+  const Stage stage(testDevice(), made);
+  RenderSettings settings = with(Overlay::agreement);
+  settings.exposure = Exposure::scene;
+  const FramePlan plan = stage.plan(richView(), settings);
+  const Image8 picture = stage.render(plan);
+  const reference::Picture twin = reference::render(stage.scene(), stage.textures(), plan);
+  std::size_t compared = 0, wrong = 0;
+  for (int y = 0; y < twin.height; ++y)
+    for (int x = 0; x < twin.width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
+      if (!twin.safe[at] || twin.known[at].tier != 0) continue;
+      ++compared;
+      wrong += distance(picture.pixel(x, y), expected(twin, plan, at)) > 12;
+    }
+  CHECK(compared > 5000);
+  CHECK(double(wrong) <= 0.02 * double(compared));
+}
+
 TEST_CASE("overlays leave what is drawn where to the picture, in either order") {
   const Stage stage(testDevice(), richPlace());
   for (const Camera& view : {richView(), cameraAt({-1.9, 0.4, 0.2}, -0.1, 0, 240, 180)}) {  // inside, and fading

@@ -18,7 +18,7 @@ namespace {
 
 constexpr VkExtent2D kExtent{64, 48};
 constexpr std::uint64_t kPixels = 64 * 48;
-constexpr std::uint64_t kParameter = 412;  // bytes of a step's
+constexpr std::uint64_t kParameter = 316, kExposure = 96;  // bytes of a step's
 constexpr std::uint64_t kLeaving = 16;     // cells that may be drawn besides
 constexpr std::uint64_t kNoise = 64 * 64 * 4;
 
@@ -117,6 +117,10 @@ std::vector<Row> table() {
   rows.push_back(
       {"colours of two cells", pinholes({{0, 1, 2}, {2, 1, 0}}), mapped, 1,
        counters(2 * 2 + 2 + 2 + 2, 3, 3 + 2, 2, {2 * canvas, 0, tables, 2 * (2 + kLeaving) * kParameter, kNoise})});
+  SyntheticScene gained = pinholes({{0, 1, 2}});
+  gained.scene.nodes[1].gain.b = 1.2;
+  rows.push_back({"gains", gained, plain, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * (kParameter + kExposure), kNoise})});
   rows.push_back({"colours of one cell", pinholes({{0, 1, 2}}), mapped, 1,
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   RenderSettings sequence = mapped;

@@ -4,13 +4,16 @@
 #include <cstddef>
 
 #include "reference/shader_offsets.h"
+#include "shaders/cell_frag.h"
 #include "shaders/cell_vert.h"
 #include "shaders/colour_tables_comp.h"
 #include "shared/cell.h"
 #include "shared/colour_map.h"
 
+using ibr::shader::CellExposure;
 using ibr::shader::CellMember;
 using ibr::shader::CellParameters;
+using ibr::shader::MemberExposure;
 using ibr::test::offsetsOf;
 
 TEST_CASE("cell parameters lie in memory as the shader reads them") {
@@ -20,9 +23,12 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                        {"principal", offsetof(CellMember, principal)},
                                                        {"position", offsetof(CellMember, position)},
                                                        {"blend", offsetof(CellMember, blend)},
-                                                       {"layer", offsetof(CellMember, layer)},
-                                                       {"gain", offsetof(CellMember, gain)},
-                                                       {"slope", offsetof(CellMember, slope)}});
+                                                       {"layer", offsetof(CellMember, layer)}});
+  const auto exposure = offsetsOf(ibr::shaders::cell_frag, "MemberExposure");
+  CHECK(exposure == std::map<std::string, std::uint32_t>{{"gain", offsetof(MemberExposure, gain)},
+                                                         {"slope", offsetof(MemberExposure, slope)}});
+  CHECK(sizeof(CellExposure) == 4 * sizeof(MemberExposure));
+  CHECK(sizeof(MemberExposure) == 24);
   const auto cell = offsetsOf(ibr::shaders::cell_vert, "CellParameters");
   CHECK(cell == std::map<std::string, std::uint32_t>{{"member", offsetof(CellParameters, member)},
                                                      {"shift", offsetof(CellParameters, shift)},

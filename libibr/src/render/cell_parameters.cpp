@@ -45,10 +45,6 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.blend = float(step.weights.blend[i]);
     if (step.mesh->masked && step.tier == kTierAgrees) member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
     member.layer = step.mesh->layers[i];
-    const glm::dvec3 gain =
-        plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * step.mesh->gains[i];
-    member.gain = gain;
-    member.slope = glm::pow(gain, glm::dvec3(1 / 2.4));
     shift += step.weights.position[i] * (camera.pose.position - eye.pose.position);
   }
   cell.shift = glm::vec3(toView * corrected(*step.correction, shift, eye.pose.position));
@@ -63,6 +59,16 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
   cell.table = step.table;
   cell.opacity = step.opacity;
   cell.noise = noiseOffset(plan, view);
+  return cell;
+}
+
+shader::CellExposure cellExposure(const FramePlan& plan, const Step& step) noexcept {
+  shader::CellExposure cell{};
+  for (std::size_t i = 0; i < step.mesh->gains.size(); ++i) {
+    const glm::dvec3 gain =
+        plan.settings.exposure == Exposure::off ? glm::dvec3(1.0) : plan.exposure * step.mesh->gains[i];
+    cell.member[i] = {gain, glm::pow(gain, glm::dvec3(1 / 2.4))};
+  }
   return cell;
 }
 

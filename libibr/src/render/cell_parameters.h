@@ -10,4 +10,7 @@ namespace ibr {
 
 shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, const Step& step) noexcept;
 
+/// The gains of the step's photographs as the frame shows them; the same from all its views.
+shader::CellExposure cellExposure(const FramePlan& plan, const Step& step) noexcept;
+
 }  // namespace ibr

@@ -29,6 +29,9 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   const std::uint32_t parameters = firstParameter(mixes_ ? Order::former : Order::current, views_);
   parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
                        "cell parameters");
+  if (requirements.gains)
+    exposures_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellExposure), kUsage, MemoryKind::device,
+                        "exposures");
   if (requirements.noise) {
     const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
     const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
@@ -37,10 +40,11 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   }
 
   constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-  const std::array<VkDescriptorSetLayoutBinding, 3> bindings{{
+  const std::array<VkDescriptorSetLayoutBinding, 4> bindings{{
       {shader::kBindingParameters, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr},
       {shader::kBindingNoise, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
       {shader::kBindingFrameTables, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+      {shader::kBindingExposures, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
   }};
   frameLayout_ = makeSetLayout(device, bindings);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, std::uint32_t(bindings.size())};
@@ -50,6 +54,8 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
   // A set is complete or not usable; what no pipeline reads may be anything.
   writeStorageBuffer(device, frameSet_, shader::kBindingNoise, (requirements.noise ? noise_ : parameters_).get());
   writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : parameters_.get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingExposures,
+                     (requirements.gains ? exposures_ : parameters_).get());
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->sets.layout()};
   layout_ = makePipelineLayout(device, layouts, {});
@@ -103,14 +109,19 @@ void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) cons
       if (order == Order::former && (!mixes_ || plan.formerWeight <= 0)) continue;
       const Steps steps = stepsOf(*scene_, plan, order, view);
       assert(steps.count <= steps_);
-      constexpr std::uint32_t kAtOnce = 65536 / sizeof(shader::CellParameters);
-      std::array<shader::CellParameters, kAtOnce> chunk;
-      for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
-        const std::uint32_t count = std::min(kAtOnce, steps.count - first);
-        for (std::uint32_t s = 0; s < count; ++s) chunk[s] = cellParameters(plan, view, steps.step[first + s]);
-        vkCmdUpdateBuffer(commandBuffer, parameters_.get(), (firstParameter(order, view) + first) * sizeof chunk[0],
-                          count * sizeof chunk[0], chunk.data());
-      }
+      const auto write = [&]<class Parameters>(const Buffer& buffer, const Parameters& parametersOf) {
+        using Value = decltype(parametersOf(steps.step[0]));
+        constexpr std::uint32_t kAtOnce = 65536 / sizeof(Value);
+        std::array<Value, kAtOnce> chunk;
+        for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
+          const std::uint32_t count = std::min(kAtOnce, steps.count - first);
+          for (std::uint32_t s = 0; s < count; ++s) chunk[s] = parametersOf(steps.step[first + s]);
+          vkCmdUpdateBuffer(commandBuffer, buffer.get(), (firstParameter(order, view) + first) * sizeof(Value),
+                            count * sizeof(Value), chunk.data());
+        }
+      };
+      write(parameters_, [&](const Step& step) { return cellParameters(plan, view, step); });
+      if (exposures_.size() > 0) write(exposures_, [&](const Step& step) { return cellExposure(plan, step); });
     }
   bufferBarrier(commandBuffer, use::kTransferWrite, use::kShaderRead);
 }

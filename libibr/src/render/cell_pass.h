@@ -60,7 +60,7 @@ class CellPass {
   VkPipelineLayout layout() const noexcept { return layout_.get(); }
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
-  VkDeviceSize parameterBytes() const noexcept { return parameters_.size(); }
+  VkDeviceSize parameterBytes() const noexcept { return parameters_.size() + exposures_.size(); }
   VkDeviceSize noiseBytes() const noexcept { return noise_.size(); }
 
  private:
@@ -82,6 +82,7 @@ class CellPass {
   PipelineLayoutHandle layout_;
   std::map<Key, PipelineHandle> pipelines_;  // those that the scene's meshes need
   Buffer parameters_, noise_;
+  Buffer exposures_;  // empty where no photograph has a gain
 };
 
 template <class Draw>
