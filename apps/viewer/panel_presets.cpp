@@ -13,9 +13,9 @@ const char* descriptionOf(Preset preset) {
     case Preset::fast:
       return "few cells, a smaller picture";
     case Preset::balanced:
-      return "as it comes, colours mapped";
+      return "as it comes";
     case Preset::accurate:
-      return "more cells, colours counted finely";
+      return "more cells";
     case Preset::reference:
       return "all that there is, at any cost";
   }

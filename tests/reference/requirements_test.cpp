@@ -221,6 +221,7 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   SyntheticScene place = pinholes({{0, 1, 2}, {0, 3}, {0, 1, 2, 3}});
   place.scene.cells[1].mesh.tier.back() = kTierRejected;
   RenderSettings settings = preset(Preset::balanced);
+  settings.colourMapping = ColourMapping::ours;
   RendererOptions options = optionsFor(settings, kExtent);
   const Requirements r = requirementsOf(place.scene, options);
   CHECK((r.cells == 3 && r.cellsOf[2] == 1 && r.cellsOf[3] == 1 && r.cellsOf[4] == 1));

@@ -5,14 +5,12 @@
 namespace ibr {
 
 RenderSettings preset(Preset preset) {
-  RenderSettings s;
-  s.colourMapping = ColourMapping::ours;
+  RenderSettings s;  // colours as they come: where gains are known mapping loses, where they are not it hardly wins
   switch (preset) {
     case Preset::fast:
       s.maxCells = s.maxBackdrops = 4;
       s.extrapolationLimit = 1;
       s.renderScale = 0.7;
-      s.colourMapping = ColourMapping::off;
       break;
     case Preset::balanced:
       break;
