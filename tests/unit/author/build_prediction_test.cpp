@@ -5,10 +5,8 @@
 
 #include "author/build_cost.h"
 #include "ibr/author.h"
-#include "io/image_file.h"
-#include "scene/court.h"
+#include "support/court_photographs.h"
 #include "support/error_of.h"
-#include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -32,29 +30,9 @@ double secondsOf(const std::vector<StageCost>& stages, bool processor = false) {
   return sum;
 }
 
-struct CourtSet {
-  explicit CourtSet(int count) {
-    const Court court = makeCourt(count, 96, 72, 1);
-    PosedModel model;
-    fs::create_directories(folder / "photos");
-    for (std::size_t i = 0; i < court.cameras.size(); ++i) {
-      const std::string name = "photo" + std::to_string(10 + i) + ".jpg";
-      model.images.push_back({name, court.cameras[i]});
-      writeImage(folder / "photos" / name, photograph(court, court.cameras[i], 1));
-    }
-    for (const CourtTrack& track : tracksOf(court, 1)) {
-      Track& added = model.tracks.emplace_back(Track{track.position, {}});
-      for (const auto& [camera, pixel] : track.seen) added.observations.push_back({camera, pixel});
-    }
-    writeColmapModel(model, folder / "model");
-    options.photographs = folder / "photos";
-    options.model = folder / "model";
-    options.output = folder / "scene";
-    options.tracks = TrackSource::model;
-  }
-  test::TemporaryFolder folder;
-  BuildOptions options;
-};
+test::CourtPhotographs court(int count) {
+  return test::CourtPhotographs(makeCourt(count, 96, 72, 1));
+}
 
 }  // namespace
 
@@ -77,7 +55,7 @@ TEST_CASE("costs grow with the work, and shrink with threads down to the longest
 }
 
 TEST_CASE("what a build will take is told before it begins, and a dry run makes nothing") {
-  const CourtSet set(8);
+  const test::CourtPhotographs set = court(8);
   BuildOptions options = set.options;
   int told = 0;
   BuildPrediction prediction;
@@ -132,7 +110,7 @@ TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
 }
 
 TEST_CASE("less memory means fewer threads, never more memory") {
-  const CourtSet set(6);
+  const test::CourtPhotographs set = court(6);
   BuildOptions options = set.options;
   options.threads = 8;
   const auto predicted = [&](double memory) {
@@ -155,7 +133,7 @@ TEST_CASE("less memory means fewer threads, never more memory") {
 }
 
 TEST_CASE("without poses the files alone say what is known") {
-  const CourtSet set(5);
+  const test::CourtPhotographs set = court(5);
   BuildOptions options = set.options;
   options.model.clear();
   options.colmap = "no such program";

@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "ibr/author.h"
 #include "io/image_file.h"
-#include "scene/court.h"
+#include "support/court_photographs.h"
 #include "support/error_of.h"
 #include "support/temporary_folder.h"
 
@@ -176,39 +176,18 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
 namespace {
 
 // Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its model.
-struct MixedSet {
-  MixedSet() {
-    Court court = makeCourt(36, 96, 72, 1);
-    court.cameras = {court.cameras[0], court.cameras[1], court.cameras[2], court.cameras[3]};
-    court.cameras[1].intrinsics = pinholeFromFov(160, 120, 0.9);
-    court.cameras[2].intrinsics = pinholeFromFov(72, 96, 1.1);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::string name = "photo" + std::to_string(i) + ".jpg";
-      model.images.push_back({name, court.cameras[i]});
-      Camera taken = court.cameras[i];
-      if (i == 3) taken.intrinsics = resized(taken.intrinsics, 192, 144);
-      fs::create_directories(folder / "photos");
-      writeImage(folder / "photos" / name, photograph(court, taken), 95);
-    }
-    for (const CourtTrack& track : tracksOf(court, 1)) {
-      Track& added = model.tracks.emplace_back(Track{track.position, {}});
-      for (const auto& [camera, pixel] : track.seen) added.observations.push_back({camera, pixel});
-    }
-    writeColmapModel(model, folder / "model");
-    options.photographs = folder / "photos";
-    options.model = folder / "model";
-    options.output = folder / "scene";
-    options.tracks = TrackSource::model;
-  }
-  test::TemporaryFolder folder;
-  PosedModel model;
-  BuildOptions options;
-};
+test::CourtPhotographs mixedSet() {
+  Court court = makeCourt(36, 96, 72, 1);
+  court.cameras.resize(4);
+  court.cameras[1].intrinsics = pinholeFromFov(160, 120, 0.9);
+  court.cameras[2].intrinsics = pinholeFromFov(72, 96, 1.1);
+  return test::CourtPhotographs(court, 3);
+}
 
 }  // namespace
 
 TEST_CASE("photographs of several cameras and shapes share a cell") {
-  const MixedSet set;
+  const test::CourtPhotographs set = mixedSet();
   BuildOptions options = set.options;
   const BuildReport report = build(options);
   CHECK(report.unused.empty());
@@ -217,7 +196,7 @@ TEST_CASE("photographs of several cameras and shapes share a cell") {
   for (const auto& cell : report.cells) {
     CHECK(cell.quality.ecc > 0.8);
     CHECK(cell.quality.coverage > 0.2);
-    mixed = mixed || std::ranges::count(cell.members, "photo2.jpg") > 0;
+    mixed = mixed || std::ranges::count(cell.members, "photo02.jpg") > 0;
   }
   CHECK(mixed);
   const Scene scene = loadScene(options.output);
@@ -226,33 +205,33 @@ TEST_CASE("photographs of several cameras and shapes share a cell") {
 }
 
 TEST_CASE("all photographs that cannot be read are named at once, with the way out") {
-  const MixedSet set;
-  for (const char* name : {"photo1.jpg", "photo2.jpg"}) {
+  const test::CourtPhotographs set = mixedSet();
+  for (const char* name : {"photo01.jpg", "photo02.jpg"}) {
     const fs::path file = set.options.photographs / name;
     fs::resize_file(file, fs::file_size(file) / 2);
   }
   const Error error = test::errorOf([&] { build(set.options); });
   CHECK(error.code() == ErrorCode::invalidInput);
-  CHECK_THAT(error.what(), Contains("2 photographs") && Contains("photo1.jpg") && Contains("photo2.jpg") &&
-                               !Contains("photo0.jpg") && Contains("--exclude"));
+  CHECK_THAT(error.what(), Contains("2 photographs") && Contains("photo01.jpg") && Contains("photo02.jpg") &&
+                               !Contains("photo00.jpg") && Contains("--exclude"));
   BuildOptions options = set.options;
-  options.exclude = {"photo1.jpg", "photo2.jpg"};
+  options.exclude = {"photo01.jpg", "photo02.jpg"};
   options.backdrops = false;
   CHECK(build(options).cells.size() == 1);
 }
 
 TEST_CASE("what a folder holds beside photographs is told, and stands in the scene") {
-  const MixedSet set;
+  const test::CourtPhotographs set = mixedSet();
   using namespace std::string_literals;
   writeText(set.options.photographs / "x.HEIC", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
-  writeText(set.options.photographs / "photo0.CR2", "II*\0raw"s);
+  writeText(set.options.photographs / "photo00.CR2", "II*\0raw"s);
   BuildOptions options = set.options;
   options.backdrops = false;
   std::string said;
   const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
     if (level == LogLevel::warning) said += text;
   });
-  CHECK_THAT(said, Contains("x.HEIC: HEIC files are not read") && !Contains("photo0.CR2"));
+  CHECK_THAT(said, Contains("x.HEIC: HEIC files are not read") && !Contains("photo00.CR2"));
   REQUIRE(report.unused.size() == 1);
   CHECK(report.unused[0].name == "x.HEIC");
   CHECK_THAT(report.unused[0].reason, Contains("convert"));
