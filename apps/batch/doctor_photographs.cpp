@@ -17,6 +17,7 @@
 #include "base/hash.h"
 #include "batch/build_options.h"
 #include "batch/findings.h"
+#include "image/sharpness.h"
 #include "io/image_file.h"
 #include "shared/progress.h"
 
@@ -28,7 +29,7 @@ namespace {
 constexpr std::size_t kFew = 5;       // photographs
 constexpr double kStops = 1.0;        // of exposure, from the least to the most
 constexpr double kZoom = 1.03;        // ratio of focal lengths
-constexpr double kBlur = 0.2;         // of the sharpness of those before and after, and of the median
+constexpr double kBlur = 0.35;        // of the sharpness of those before and after, and of the median
 constexpr int kSharpnessSide = 1600;  // px
 constexpr int kSignatureSide = 16;    // px
 constexpr double kSame = 0.9995;      // correlation of two signatures
@@ -44,25 +45,12 @@ struct Looked {
   std::vector<float> signature;  // of mean 0 and length 1; empty for a picture of one grey
 };
 
-double meanSquaredLaplacian(const Image8& grey) {
-  double sum = 0;
-  for (int y = 1; y + 1 < grey.height; ++y)
-    for (int x = 1; x + 1 < grey.width; ++x) {
-      const int l = grey.pixel(x - 1, y)[0] + grey.pixel(x + 1, y)[0] + grey.pixel(x, y - 1)[0] +
-                    grey.pixel(x, y + 1)[0] - 4 * grey.pixel(x, y)[0];
-      sum += double(l) * l;
-    }
-  return sum / std::max(1.0, double(grey.width - 2) * (grey.height - 2));
-}
-
-// As scene/picture_advice.h measures it.
 double sharpnessOf(const Image8& picture) {
   const double scale = std::min(1.0, double(kSharpnessSide) / std::max(picture.width, picture.height));
   const int width = int(picture.width * scale), height = int(picture.height * scale);
-  if (width < 64 || height < 64) return std::numeric_limits<double>::quiet_NaN();
-  const double fine = meanSquaredLaplacian(greyOf(scale < 1 ? shrunk(picture, width, height) : picture));
-  const double coarse = meanSquaredLaplacian(greyOf(shrunk(picture, width / 4, height / 4)));
-  return fine / std::max(1e-3, coarse);
+  if (std::min(width, height) < 8) return std::numeric_limits<double>::quiet_NaN();
+  return ibr::sharpness(greyOf(scale < 1 ? shrunk(picture, width, height) : picture),
+                        greyOf(shrunk(picture, width / 8, height / 8)));
 }
 
 std::vector<float> signatureOf(const Image8& picture) {

@@ -13,6 +13,7 @@
 
 #include "ibr/error.h"
 #include "image/ktx2.h"
+#include "image/sharpness.h"
 #include "image/srgb.h"
 
 namespace ibr {
@@ -22,7 +23,7 @@ constexpr int kSharpnessSide = 1600, kExposureSide = 512;  // px, the longer sid
 constexpr int kDarkest = 8, kBrightest = 247;              // of a channel: what lies beyond is clipped or noise
 constexpr std::size_t kLeastShared = 40;                   // points that tell a ratio
 constexpr double kStops = 1.0;                             // from the median of its neighbours
-constexpr double kBlur = 0.4;                              // of the median of its neighbours, and of all
+constexpr double kBlur = 0.35;                             // of the median of its neighbours, and of all
 constexpr int kSweeps = 200;
 
 double median(std::vector<double> values) {
@@ -37,17 +38,6 @@ struct Look {
   double sharpness = std::numeric_limits<double>::quiet_NaN();
 };
 
-double meanSquaredLaplacian(const Image8& rgba) {
-  const auto green = [&](int x, int y) { return double(rgba.pixel(x, y)[1]); };
-  double sum = 0;
-  for (int y = 1; y + 1 < rgba.height; ++y)
-    for (int x = 1; x + 1 < rgba.width; ++x) {
-      const double l = green(x - 1, y) + green(x + 1, y) + green(x, y - 1) + green(x, y + 1) - 4 * green(x, y);
-      sum += l * l;
-    }
-  return sum / std::max(1.0, double(rgba.width - 2) * (rgba.height - 2));
-}
-
 Look lookAt(const std::filesystem::path& file) {
   Look look;
   try {
@@ -55,8 +45,7 @@ Look lookAt(const std::filesystem::path& file) {
     int level = 0;
     while (std::max(info.width, info.height) >> level > kSharpnessSide && level + 1 < info.levels) ++level;
     std::vector<Image8> levels = decodeTexture(readKtx2(file, level));
-    if (levels.size() > 2 && levels[2].width > 16 && levels[2].height > 16)
-      look.sharpness = meanSquaredLaplacian(levels[0]) / std::max(1e-3, meanSquaredLaplacian(levels[2]));
+    if (levels.size() > 3) look.sharpness = sharpness(levels[0], levels[3]);
     std::size_t small = 0;
     while (std::max(levels[small].width, levels[small].height) > kExposureSide && small + 1 < levels.size()) ++small;
     look.small = std::move(levels[small]);

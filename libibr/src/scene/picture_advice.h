@@ -12,8 +12,7 @@ namespace ibr {
 /// whose texture cannot be read are passed over, as are all of a scene without a folder.
 ///   exposure   photographs that share a cell show the same at its vertices: the median ratio of their luminance in
 ///              linear light, in stops, solved for one figure a photograph (least squares, relaxed)
-///   sharpness  mean squared Laplacian at full size over that at a quarter: it falls with blur, and depends little on
-///              what is seen; beside the median of the photographs in its cells
+///   sharpness  (image/sharpness.h) beside the median of the photographs in its cells
 std::vector<Advice> pictureAdvice(const Scene& scene);
 
 }  // namespace ibr
