@@ -62,7 +62,7 @@ struct CaptureAdvice {
 
 struct AdviceOptions {
   std::size_t views = 10;
-  bool pictures = true;  // whether textures of the scene's folder are looked at, for exposure and sharpness
+  bool pictures = true;  // whether textures of the scene's folder are looked at, for sharpness
 };
 
 /// Does not depend on the order of nodes and cells (but for its indices), nor on where the world lies, how it is

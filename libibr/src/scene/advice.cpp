@@ -14,7 +14,7 @@
 
 #include "base/check.h"
 #include "scene/next_views.h"
-#include "scene/picture_advice.h"
+#include "scene/sharpness_advice.h"
 #include "scene/walk_estimate.h"
 
 namespace ibr {
@@ -28,8 +28,10 @@ constexpr double kFewMatched = 0.25;  // share of a photograph that agrees with 
 constexpr double kFewerThan = 0.4;    // … that share of its neighbours' median
 constexpr double kResidual = 0.003;   // of the longest side: poses are wrong, if …
 constexpr double kWorseThan = 2.5;    // … that many times the median of all cells
+constexpr double kStops = 1.0;        // of exposure, from the median of its neighbours
 constexpr double kTurnLess = 30;      // degrees from one photograph to the next
 constexpr double kLeastGain = 0.02;   // of a further photograph, at one stand
+const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // of linear sRGB
 constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 double median(std::vector<double> values) {
@@ -43,6 +45,17 @@ int percent(double share) {
   return int(std::lround(100 * share));
 }
 
+std::vector<std::vector<std::uint32_t>> cellMates(const Scene& scene) {
+  std::vector<std::set<std::uint32_t>> mates(scene.nodes.size());
+  for (const Cell& cell : scene.cells)
+    for (const std::uint32_t i : cell.members)
+      for (const std::uint32_t j : cell.members)
+        if (i != j) mates[i].insert(j);
+  std::vector<std::vector<std::uint32_t>> lists;
+  for (const auto& set : mates) lists.emplace_back(set.begin(), set.end());
+  return lists;
+}
+
 class Adviser {
  public:
   explicit Adviser(const Scene& scene)
@@ -50,7 +63,8 @@ class Adviser {
         depths_(photographDepths(scene)),
         places_(findPlaces(scene, depths_)),
         walk_(scene, depths_, places_),
-        used_(scene.nodes.size(), false) {
+        used_(scene.nodes.size(), false),
+        mates_(cellMates(scene)) {
     for (const Cell& cell : scene.cells)
       for (const std::uint32_t i : cell.members) used_[i] = true;
   }
@@ -61,12 +75,13 @@ class Adviser {
     ways();
     directions();
     twice();
+    exposures();
     matches();
     poses();
     row();
     unused();
     if (options.pictures)
-      for (Advice& advice : pictureAdvice(scene_)) result_.advice.push_back(std::move(advice));
+      for (Advice& advice : sharpnessAdvice(scene_, mates_)) result_.advice.push_back(std::move(advice));
     result_.shown = walk_.shown();
     result_.views = nextViews(scene_, places_, walk_, options.views, kLeastGain);
     result_.shownThen = walk_.shown();
@@ -252,23 +267,28 @@ class Adviser {
         }
   }
 
-  std::vector<std::vector<std::uint32_t>> cellMates() const {
-    std::vector<std::set<std::uint32_t>> mates(scene_.nodes.size());
-    for (const Cell& cell : scene_.cells)
-      for (const std::uint32_t i : cell.members)
-        for (const std::uint32_t j : cell.members)
-          if (i != j) mates[i].insert(j);
-    std::vector<std::vector<std::uint32_t>> lists;
-    for (const auto& set : mates) lists.emplace_back(set.begin(), set.end());
-    return lists;
+  // By the gains that make photographs alike: what was stored, not what is shown.
+  void exposures() {
+    const auto stops = [&](std::uint32_t n) { return -std::log2(glm::dot(scene_.nodes[n].gain, kLuminance)); };
+    for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
+      if (mates_[n].empty()) continue;
+      std::vector<double> theirs;
+      for (const std::uint32_t m : mates_[n]) theirs.push_back(stops(m));
+      const double jump = stops(n) - median(std::move(theirs));
+      if (!(std::abs(jump) > kStops)) continue;
+      put(AdviceKind::exposure, Severity::warning, {n}, jump,
+          fmt::format("{} is {:.1f} stops {} than the photographs beside it, {} for one.", name(n), std::abs(jump),
+                      jump > 0 ? "brighter" : "darker",
+                      name(*std::ranges::min_element(mates_[n], {}, [&](std::uint32_t m) { return name(m); }))),
+          "Lock the exposure before the first photograph, or set it by hand.");
+    }
   }
 
   void matches() {
-    const auto mates = cellMates();
     for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
-      if (mates[n].empty()) continue;
+      if (mates_[n].empty()) continue;
       std::vector<double> theirs;
-      for (const std::uint32_t m : mates[n]) theirs.push_back(depths_[m].agreedShare());
+      for (const std::uint32_t m : mates_[n]) theirs.push_back(depths_[m].agreedShare());
       const double own = depths_[n].agreedShare();
       if (!(own < kFewMatched) || !(own < kFewerThan * median(theirs))) continue;
       put(AdviceKind::unmatched, Severity::warning, {n}, own,
@@ -340,7 +360,8 @@ class Adviser {
   const Places places_;
   WalkEstimate walk_;
   std::vector<bool> used_;
-  std::vector<std::uint32_t> part_;  // of each place
+  const std::vector<std::vector<std::uint32_t>> mates_;  // of each node those that share a cell with it
+  std::vector<std::uint32_t> part_;                      // of each place
   CaptureAdvice result_;
 };
 
