@@ -132,49 +132,52 @@ class Builder {
   }
 
   void takeMasksFromTracks() {
-    std::vector<Image8> masks;
-    for (const Photograph& photo : input_.photographs) {
-      masks.push_back(storedMask(photo));
-      if (const double share = ignoredShare(masks.back()); share > 0) report_.masks.push_back({photo.name, share, 0});
+    report_.masks.clear();
+    for (std::uint32_t i = 0; i < input_.photographs.size(); ++i) {  // one mask is held at a time
+      const Image8 mask = storedMask(input_.photographs[i]);
+      if (const double share = ignoredShare(mask); share > 0)
+        report_.masks.push_back({input_.photographs[i].name, share, 0});
+      dropIgnored(input_.model, i, input_.tracksOf[i], mask);
     }
     if (report_.masks.empty()) return;
-    dropIgnored(input_.model, masks);
+    dropUnseen(input_.model);
     input_.tracksOf = tracksOfImages(input_.model);
   }
 
-  // Whether there are any.
+  // Whether there are any. One mask is held on each thread.
   bool maskMovers() {
-    const std::vector<Image8> moved = findMovers(input_, jobs_);
-    if (std::ranges::all_of(moved, &Image8::empty)) return false;
-    report_.masks.clear();
-    std::vector<Image8> masks(moved.size());
+    const std::vector<BitMask> moved = findMovers(input_, jobs_);
+    if (std::ranges::all_of(moved, &BitMask::empty)) return false;
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
     jobs_.runAll("masking what moved", moved.size(), bytes, [&](std::size_t i) {
-      Photograph& photo = input_.photographs[i];
-      masks[i] = storedMask(photo);
-      if (moved[i].empty()) return;
-      masks[i] = masks[i].empty() ? moved[i] : bothMasks(masks[i], moved[i]);
-      Hash hash;
-      hash.add(input_.hashes[i]);
-      hash.add(storeMask(photo, masks[i], loadPhotograph(photo), options_.output, options_.texture));
-      input_.hashes[i] = hash.value();
+      if (!moved[i].empty()) addMask(i, moved[i]);
     });
-    for (std::size_t i = 0; i < masks.size(); ++i) {
-      if (masks[i].empty()) continue;
-      const Photograph& photo = input_.photographs[i];
-      scene_.nodes[i].maskFile = storedMaskFile(photo.name);
-      const double all = ignoredShare(masks[i]), given = photo.mask.empty() ? 0 : ignoredShare(loadMask(photo, photo.mask));
-      report_.masks.push_back({photo.name, given, all - given});
+    std::map<std::string, double> given;
+    for (const BuildReport::MaskLine& line : report_.masks) given[line.photograph] = line.given;
+    takeMasksFromTracks();
+    for (BuildReport::MaskLine& line : report_.masks) {
+      line.moved = line.given - given[line.photograph];
+      line.given -= line.moved;
     }
-    dropIgnored(input_.model, masks);
-    input_.tracksOf = tracksOfImages(input_.model);
     scene_.cells.clear();
     keys_.clear();
     failure_.clear();
     report_.cells.clear();
     report_.dropped = plan_.dropped;
     return true;
+  }
+
+  // To the mask that the photograph has, if any; its hash becomes another one.
+  void addMask(std::size_t i, const BitMask& moved) {
+    Photograph& photo = input_.photographs[i];
+    Image8 mask = maskOf(moved, photo.camera.intrinsics.width, photo.camera.intrinsics.height);
+    if (!photo.storedMask.empty()) mask = bothMasks(mask, storedMask(photo));
+    Hash hash;
+    hash.add(input_.hashes[i]);
+    hash.add(storeMask(photo, mask, loadPhotograph(photo), options_.output, options_.texture));
+    input_.hashes[i] = hash.value();
+    scene_.nodes[i].maskFile = storedMaskFile(photo.name);
   }
 
   void describe() {

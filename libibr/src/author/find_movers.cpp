@@ -10,6 +10,7 @@
 #include "author/masks.h"
 #include "author/movers.h"
 #include "author/posed_model.h"
+#include "author/settle_movers.h"
 
 namespace ibr {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr std::size_t kLeastShared = 20;  // tracks, to judge
 constexpr double kBytesPerPixel = 200;    // that a judge's sweep takes, of a photograph's matched pixels
 
-Image8 moversIn(const BuildInput& input, std::uint32_t photograph, const std::vector<std::uint32_t>& judges) {
+JudgedView judged(const BuildInput& input, std::uint32_t photograph, const std::vector<std::uint32_t>& judges) {
   std::vector<std::uint32_t> members{photograph};
   members.insert(members.end(), judges.begin(), judges.end());
   const std::vector<Camera> cameras = camerasToMatch(input, members);
@@ -32,9 +33,9 @@ Image8 moversIn(const BuildInput& input, std::uint32_t photograph, const std::ve
   std::vector<glm::dvec3> points;
   for (const auto& [track, times] : seen)
     if (times >= 2) points.push_back(input.model.tracks[track].position);
-  const Image8 mask = moverMask(views[0], std::span(views).subspan(1), points);
-  const Intrinsics& stored = input.photographs[photograph].camera.intrinsics;
-  return ignoredShare(mask) > 0 ? resizedMask(mask, stored.width, stored.height) : Image8();
+  JudgedView result{{}, judges, oddRegions(views[0], std::span(views).subspan(1), points)};
+  result.camera = {resized(cameras[0].intrinsics, result.odd.width, result.odd.height), cameras[0].pose};
+  return result;
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input) {
   return judges;
 }
 
-std::vector<Image8> findMovers(const BuildInput& input, const BuildJobs& jobs) {
+std::vector<BitMask> findMovers(const BuildInput& input, const BuildJobs& jobs) {
   const std::vector<std::vector<std::uint32_t>> judges = judgesOf(input);
   double bytes = 0;
   for (const Photograph& photo : input.photographs) {
@@ -69,11 +70,19 @@ std::vector<Image8> findMovers(const BuildInput& input, const BuildJobs& jobs) {
     const double pixels = std::min(double(k.width) * k.height, kMatchPixels);
     bytes = std::max(bytes, bytesToLoad(photo) + kBytesPerPixel * pixels);
   }
-  std::vector<Image8> masks(judges.size());
+  std::vector<JudgedView> views(judges.size());
   jobs.runAll("finding what moved", judges.size(), bytes, [&](std::size_t i) {
-    if (!judges[i].empty()) masks[i] = moversIn(input, std::uint32_t(i), judges[i]);
+    if (!judges[i].empty()) views[i] = judged(input, std::uint32_t(i), judges[i]);
   });
-  return masks;
+  return settleMovers(views);
+}
+
+Image8 maskOf(const BitMask& moved, int width, int height) {
+  Image8 mask(moved.width(), moved.height(), 1, 255);
+  for (int y = 0; y < moved.height(); ++y)
+    for (int x = 0; x < moved.width(); ++x)
+      if (moved.at(x, y)) mask.pixel(x, y)[0] = 0;
+  return resizedMask(mask, width, height);
 }
 
 }  // namespace ibr

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "author/bit_mask.h"
 #include "author/build_input.h"
 #include "author/build_jobs.h"
 #include "ibr/author.h"
@@ -18,8 +19,13 @@ inline constexpr std::size_t kMostJudges = 3;
 /// Those that share the most tracks with each photograph, at most kMostJudges, best first; pinholes only.
 std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input);
 
-/// Of each photograph a mask of its stored size, 0 where something moved; empty where nothing was found, or nobody
-/// can judge it. Photographs are stored. Throws Error.
-std::vector<Image8> findMovers(const BuildInput& input, const BuildJobs& jobs);
+/// Of each photograph what is masked of it, at half the size at which it is matched (settle_movers.h); empty where
+/// nothing is, or nobody can judge it. Photographs are stored. Beside what one photograph takes on each thread all of
+/// them are held at three bits a pixel of that size, and eight bytes a pixel of what differs, of a quarter of them at
+/// most. Throws Error.
+std::vector<BitMask> findMovers(const BuildInput& input, const BuildJobs& jobs);
+
+/// As a mask of this size.
+Image8 maskOf(const BitMask& moved, int width, int height);
 
 }  // namespace ibr

@@ -127,16 +127,17 @@ Image8 withMask(const Image8& rgb, const Image8& mask) {
   return result;
 }
 
-void dropIgnored(PosedModel& model, std::span<const Image8> masks) {
-  if (std::ranges::all_of(masks, &Image8::empty)) return;
-  for (Track& track : model.tracks)
-    std::erase_if(track.observations, [&](const TrackObservation& seen) {
-      const Image8& mask = masks[seen.image];
-      if (mask.empty()) return false;
-      const Intrinsics& k = model.images[seen.image].camera.intrinsics;
-      return isIgnored(
-          mask, glm::vec2(seen.pixel * glm::dvec2(double(mask.width) / k.width, double(mask.height) / k.height)));
+void dropIgnored(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks, const Image8& mask) {
+  if (mask.empty()) return;
+  const Intrinsics& k = model.images[image].camera.intrinsics;
+  const glm::dvec2 scale(double(mask.width) / k.width, double(mask.height) / k.height);
+  for (const std::uint32_t t : tracks)
+    std::erase_if(model.tracks[t].observations, [&](const TrackObservation& seen) {
+      return seen.image == image && isIgnored(mask, glm::vec2(seen.pixel * scale));
     });
+}
+
+void dropUnseen(PosedModel& model) {
   std::erase_if(model.tracks, [](const Track& track) { return track.observations.empty(); });
 }
 

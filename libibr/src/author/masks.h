@@ -62,8 +62,11 @@ inline bool isIgnored(const Image8& mask, glm::vec2 at) {
 /// in what is not to be seen. Precondition: equal sizes.
 Image8 withMask(const Image8& rgb, const Image8& mask);
 
-/// Leaves out observations of `model` that masks cover, and tracks that nobody sees any more. One mask an image, of any
-/// size.
-void dropIgnored(PosedModel& model, std::span<const Image8> masks);
+/// Leaves out the observations of an image that its mask, of any size, covers. `tracks`: those that have one of it.
+/// Tracks without any are left.
+void dropIgnored(PosedModel& model, std::uint32_t image, const std::vector<std::uint32_t>& tracks, const Image8& mask);
+
+/// Leaves out tracks that nobody sees.
+void dropUnseen(PosedModel& model);
 
 }  // namespace ibr

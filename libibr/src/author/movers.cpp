@@ -14,6 +14,7 @@
 #include "author/depth_clean.h"
 #include "author/depth_edges.h"
 #include "author/dominant_planes.h"
+#include "author/familiar.h"
 #include "author/masks.h"
 #include "author/mean_frame.h"
 #include "author/photographs.h"
@@ -26,26 +27,31 @@ namespace ibr {
 namespace {
 
 constexpr int kSpeckle = 60;          // px at half resolution
+constexpr double kPiece = 0.002;      // of the area: what has a depth of its own on less is chance
 constexpr float kSpeckleStep = 2.0f;  // levels
 constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
 constexpr int kMisaligned = 2;        // px at half resolution that colours may be off
 constexpr int kPatch = 3;             // px, side of what differs as a whole
 constexpr int kSurely = 24;           // grey levels: a mover's core
 constexpr int kPerhaps = 10;          // and what belongs to it
-constexpr double kOdd = 8;            // grey levels nearer to what goes on from around that another one is
 constexpr double kCore = 0.2;         // share of a region that is core, at least
 constexpr double kLooksLike = 0.75;   // correlation that explains a pixel
 constexpr double kExplained = 0.3;    // share of a region that makes it no mover
 constexpr double kThin = 0.003;       // of the width: what is no wider is an edge
-constexpr double kSmall = 0.0005;     // of the area
-constexpr double kOutline = 1.7;      // times the other's contrast across the outline …
-constexpr double kOutlineNoise = 5;   // … and grey levels more
-constexpr double kSeen = 0.6;         // share of the outline that the other one must see
-constexpr double kAgrees = 0.68;      // share of what it sees around that it must show alike
+constexpr double kSmall = 0.001;      // of the area
+constexpr double kMost = 0.25;        // of the area
+constexpr double kAgrees = 0.68;      // share of what it sees around that another one must show alike, to judge
 constexpr double kKnown = 0.15;       // share of that whose depth was not completed
-constexpr double kWidened = 0.01;     // of the width
-constexpr int kIsland = 3;            // px: what looks alike on less is chance
-constexpr int kBand = 5;              // px at half resolution on both sides of an outline
+constexpr int kAround = 16;           // px at half resolution around a region, at least, in which its like is sought
+constexpr int kLeastAround = 200;     // px that are alike there, at least
+constexpr double kStranger = 1.35;    // times as unfamiliar as the other …
+constexpr double kNoise = 3;          // … and grey levels more
+constexpr double kSure = 0.3;         // share of a part that must be
+constexpr double kSeen = 0.5;         // and that others must see
+constexpr int kSmoothing = 200;       // sweeps of successive over-relaxation
+constexpr float kOverrelaxed = 1.9f;
+constexpr int kIsland = 3;  // px: what looks alike on less is chance
+constexpr int kBand = 5;    // px at half resolution on both sides of an outline
 
 cv::Mat disc(double radius) {
   const int r = std::max(1, int(std::lround(radius)));
@@ -92,20 +98,23 @@ class Judge {
     height_ = frame_.intrinsics.height;
   }
 
-  Image8 run() {
-    const ImageF depth = knownDepth();
-    for (const Half& other : others_) {
-      Warped w = warped(other, depth);
-      w.colour = alikeExposed(view_.colour, w.colour, looksLike(view_.colour, w.colour) & w.inside & view_.used);
-      w.differs = difference(view_.colour, w.colour);
-      warped_.push_back(std::move(w));
+  OddRegions run() {
+    matched_ = matchedDepth();
+    OddRegions odd = look();
+    if (!odd.regions.empty()) {
+      forget(odd);
+      odd = look();
     }
-    return moved(leastDifference());
+    odd.depth = ImageF((width_ + kDepthStep - 1) / kDepthStep, (height_ + kDepthStep - 1) / kDepthStep, 1);
+    for (int y = 0; y < odd.depth.height; ++y)
+      for (int x = 0; x < odd.depth.width; ++x)
+        odd.depth.pixel(x, y)[0] = depth_.pixel(x * kDepthStep, y * kDepthStep)[0];
+    return odd;
   }
 
  private:
-  // Inverse depth in the frame that the photographs agree on best.
-  ImageF depthOf(std::span<const Half* const> halves) const {
+  // Inverse depth in the frame that the photographs agree on best, and the sweep's step.
+  std::pair<ImageF, float> depthOf(std::span<const Half* const> halves) const {
     std::vector<SweepView> views;
     std::vector<Camera> cameras;
     for (const Half* half : halves) {
@@ -122,7 +131,7 @@ class Judge {
     cleanDepth(level, kSpeckleStep, kSpeckle);
     trimForegrounds(frame_, views, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));
-    return enlarged(fitPlanes(level, float(levels.step)), width_, height_);
+    return {enlarged(fitPlanes(level, float(levels.step)), width_, height_), float(levels.step)};
   }
 
   Warped warped(const Half& other, const ImageF& depth) const {
@@ -188,26 +197,69 @@ class Judge {
     return cv::max(outside(a, b), outside(b, a));
   }
 
-  // Where the view and another one look alike, the median of what they say; elsewhere completed.
-  ImageF knownDepth() {
+  // What differs through the depth that is known so far.
+  OddRegions look() {
+    Image8 colours(width_, height_, 3);
+    cv::Mat to = cvView(colours);
+    view_.colour.convertTo(to, CV_8U);
+    depth_ = completeDepth(matched_, colours);
+    if (!forgotten_.empty()) smoothDepth();
+    warped_.clear();
+    for (const Half& other : others_) {
+      Warped w = warped(other, depth_);
+      w.colour = alikeExposed(view_.colour, w.colour, looksLike(view_.colour, w.colour) & w.inside & view_.used);
+      w.differs = difference(view_.colour, w.colour);
+      warped_.push_back(std::move(w));
+    }
+    return regions(leastDifference());
+  }
+
+  // Whoever moved has no depth that two photographs could agree on: what was matched on him is chance, and would lead
+  // what is completed behind him astray.
+  void forget(const OddRegions& odd) {
+    forgotten_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
+    for (const OddRegion& region : odd.regions)
+      for (const OddPixel& p : region.pixels) forgotten_.at<std::uint8_t>(p.y, p.x) = 255;
+    cv::dilate(forgotten_, forgotten_, disc(kIsland));
+    cvView(matched_).setTo(kUnknownDepth, forgotten_);
+    known_.setTo(0, forgotten_);
+  }
+
+  // Behind him his own colours count for nothing: inverse depth is harmonic there, as it is on any plane.
+  void smoothDepth() {
+    std::vector<cv::Point> inside;
+    cv::findNonZero(forgotten_, inside);
+    const auto at = [&](int x, int y) {
+      return depth_.pixel(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1))[0];
+    };
+    for (int sweep = 0; sweep < kSmoothing; ++sweep)
+      for (const cv::Point p : inside) {
+        float& value = depth_.pixel(p.x, p.y)[0];
+        const float mean = (at(p.x - 1, p.y) + at(p.x + 1, p.y) + at(p.x, p.y - 1) + at(p.x, p.y + 1)) / 4;
+        value = std::max(value + kOverrelaxed * (mean - value), 0.0f);
+      }
+  }
+
+  // Where the view and another one look alike, the median of what they say.
+  ImageF matchedDepth() {
     std::vector<ImageF> maps;
     explained_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
     known_ = explained_.clone();
     for (const Half& other : others_) {
       const Half* const both[]{&view_, &other};
-      ImageF depth = depthOf(both);
+      auto [depth, step] = depthOf(both);
       const Warped w = warped(other, depth);
       cv::Mat alike = agreement(grey(view_.colour), grey(w.colour)).alike & w.inside & view_.used;
       explained_ |= looksLike(view_.colour, w.colour) & w.inside;
       cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(kIsland));
-      known_ |= alike;
       cvView(depth).setTo(kUnknownDepth, alike == 0);
+      const std::vector<bool> chance = speckles(depth, kSpeckleStep * step, int(kPiece * width_ * height_));
+      for (std::size_t p = 0; p < chance.size(); ++p)
+        if (chance[p]) depth.values[p] = kUnknownDepth;
+      known_ |= cvView(depth) != kUnknownDepth;
       maps.push_back(std::move(depth));
     }
-    Image8 colours(width_, height_, 3);
-    cv::Mat to = cvView(colours);
-    view_.colour.convertTo(to, CV_8U);
-    return completeDepth(medianDepth(maps), colours);
+    return medianDepth(maps);
   }
 
   // From those that see the pixel, grey levels; 0 where nobody does.
@@ -222,58 +274,117 @@ class Judge {
     return least;
   }
 
-  Image8 moved(const cv::Mat& differs) const {
+  // What differs, a region at a time.
+  OddRegions regions(const cv::Mat& differs) const {
     cv::Mat perhaps = differs >= kPerhaps;
     cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(kThin * width_));
     cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * kThin * width_));
-    perhaps &= oddness(perhaps) > kOdd;
-    cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(kThin * width_));
-    cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * kThin * width_));
     cv::Mat label, stats, centre;
-    const int regions = cv::connectedComponentsWithStats(perhaps, label, stats, centre);
-    Image8 mask(width_, height_, 1, 255);
-    cv::Mat result = cvView(mask);
-    for (int r = 1; r < regions; ++r) {
+    const int count = cv::connectedComponentsWithStats(perhaps, label, stats, centre);
+    OddRegions odd{width_, height_, {}, {}};
+    double all = 0;
+    for (int r = 1; r < count; ++r) {
       const cv::Rect box(stats.at<int>(r, cv::CC_STAT_LEFT), stats.at<int>(r, cv::CC_STAT_TOP),
                          stats.at<int>(r, cv::CC_STAT_WIDTH), stats.at<int>(r, cv::CC_STAT_HEIGHT));
       const double area = stats.at<int>(r, cv::CC_STAT_AREA);
-      if (area < kSmall * width_ * height_) continue;
+      if (area < kSmall * width_ * height_ || area > kMost * width_ * height_) continue;
       const cv::Mat region = label == r;
       const double core = cv::countNonZero(region(box) & (differs(box) >= kSurely));
       const double known = cv::countNonZero(region(box) & explained_(box));
-      if (core < kCore * area || known > kExplained * area || !isOddOne(region, box)) continue;
-      result.setTo(0, region);
-      goOn(region, box, result);
+      if (core < kCore * area || known > kExplained * area) continue;
+      blame(region, box, perhaps, odd);
+      all += area;
     }
-    cv::erode(result, result, disc(kWidened * width_), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(255));
-    return mask;
+    if (all > kMost * width_ * height_) odd.regions.clear();  // hardly anything is alike: no judges
+    return odd;
   }
 
-  // How much farther the view's colours are from what goes on from around than another one's: the most, grey levels.
-  // Somebody beside whom, or before whom, another one shows somebody else is told from him so.
-  cv::Mat oddness(const cv::Mat& regions) const {
-    cv::Mat around, most(height_, width_, CV_32F, cv::Scalar(0));
-    cv::dilate(regions, around, disc(2));
-    Image8 outside(width_, height_, 1), colours(width_, height_, 3);
-    cvView(outside).setTo(255, around == 0);
-    cv::Mat to = cvView(colours), background;
-    view_.colour.convertTo(to, CV_8U);
-    cv::cvtColor(cvView(withMask(colours, outside)), background, cv::COLOR_RGBA2RGB);
-    background.convertTo(background, CV_32F);
-    const auto away = [&](const cv::Mat& colour) {
-      std::array<cv::Mat, 3> channel;
-      cv::split(colour - background, channel.data());
-      cv::Mat square = channel[0].mul(channel[0]) + channel[1].mul(channel[1]) + channel[2].mul(channel[2]), length;
-      cv::sqrt(square / 3, length);
-      cv::blur(length, length, {kBand, kBand});
-      return length;
-    };
-    const cv::Mat own = away(view_.colour);
-    for (const Warped& w : warped_) {
-      const cv::Mat larger = cv::max(most, own - away(w.colour));
-      larger.copyTo(most, w.inside);
+  // How unfamiliar a region is in the view, and in the other photograph where it is least so; where one of them sees
+  // it.
+  struct Comparison {
+    cv::Mat own, other, judged;
+    std::uint32_t best = 0;  // of `others`: agrees most around the region
+  };
+
+  static cv::Mat meanAround(const cv::Mat& values, const cv::Mat& where) {
+    cv::Mat weight, sum;
+    where.convertTo(weight, CV_32F, 1.0 / 255);
+    cv::blur(weight, weight, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
+    cv::blur(values, sum, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
+    return sum / cv::max(weight, 1e-6);
+  }
+
+  // `region`, `off`: what may be alike is not `off`; both within the box `at`.
+  Comparison compared(const cv::Mat& region, const cv::Mat& off, cv::Rect at) const {
+    Comparison result{cv::Mat(region.size(), CV_32F, cv::Scalar(0)), cv::Mat(region.size(), CV_32F, cv::Scalar(1e9)),
+                      cv::Mat(region.size(), CV_8U, cv::Scalar(0))};
+    double most = 0;
+    for (std::size_t j = 0; j < warped_.size(); ++j) {
+      const cv::Mat inside = warped_[j].inside(at), differs = warped_[j].differs(at);
+      const double agrees = agreesAround(region, differs, inside, known_(at));
+      const cv::Mat around = ~off & inside & (differs < kPerhaps) & known_(at);
+      if (agrees < kAgrees || cv::countNonZero(around) < kLeastAround) continue;
+      const std::array<cv::Mat, 2> both{view_.colour(at), warped_[j].colour(at)};
+      const cv::Mat seen = region & inside;
+      const cv::Mat own = meanAround(unfamiliarity(both[0], seen, both, around), seen);
+      const cv::Mat other = meanAround(unfamiliarity(both[1], seen, both, around), seen);
+      const cv::Mat less = seen & (other < result.other);
+      own.copyTo(result.own, less);
+      other.copyTo(result.other, less);
+      result.judged |= seen;
+      if (agrees > most) most = agrees, result.best = std::uint32_t(j);
     }
-    return most;
+    return result;
+  }
+
+  // Whose a region is, or each of its parts.
+  void blame(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, OddRegions& odd) const {
+    const int margin = std::max(kAround, std::max(box.width, box.height) / 2);
+    const cv::Rect at = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+                        cv::Rect(0, 0, width_, height_);
+    const cv::Mat here = region(at);
+    cv::Mat off;
+    cv::dilate(differing(at), off, disc(2));
+    const Comparison c = compared(here, off, at);
+    if (cv::countNonZero(c.judged) == 0) return;
+    const cv::Mat mine = c.judged & (c.own > kStranger * c.other + kNoise);
+    const cv::Mat theirs = c.judged & (c.other > kStranger * c.own + kNoise);
+    const std::vector<cv::Mat> own = parts(here & ~theirs, mine, c.judged),
+                               others = parts(here & ~mine, theirs, c.judged);
+    for (const cv::Mat& part : own) {
+      cv::Mat all(height_, width_, CV_8U, cv::Scalar(0)), mask(height_, width_, CV_8U, cv::Scalar(255));
+      part.copyTo(all(at));
+      mask.setTo(0, all);
+      goOn(all, cv::boundingRect(all), mask);
+      add(mask == 0, {}, {Blame::own, 0, {}}, odd);
+    }
+    for (const cv::Mat& part : others) add(part, at.tl(), {Blame::another, c.best, {}}, odd);
+    if (own.empty() && others.empty()) add(here, at.tl(), {}, odd);
+  }
+
+  // Connected parts of `perhaps` that are `surely` in a good share.
+  std::vector<cv::Mat> parts(const cv::Mat& perhaps, const cv::Mat& surely, const cv::Mat& judged) const {
+    std::vector<cv::Mat> result;
+    cv::Mat label, opened;
+    cv::morphologyEx(perhaps, opened, cv::MORPH_OPEN, disc(kThin * width_));
+    const int count = cv::connectedComponents(opened, label);
+    for (int p = 1; p < count; ++p) {
+      const cv::Mat part = label == p;
+      const double area = cv::countNonZero(part);
+      if (area >= kSmall * width_ * height_ && cv::countNonZero(part & surely) >= kSure * area &&
+          cv::countNonZero(part & judged) >= kSeen * area)
+        result.push_back(part);
+    }
+    return result;
+  }
+
+  void add(const cv::Mat& region, cv::Point at, OddRegion result, OddRegions& odd) const {
+    for (int y = 0; y < region.rows; ++y)
+      for (int x = 0; x < region.cols; ++x)
+        if (region.at<std::uint8_t>(y, x))
+          result.pixels.push_back(
+              {std::uint16_t(at.x + x), std::uint16_t(at.y + y), depth_.pixel(at.x + x, at.y + y)[0]});
+    odd.regions.push_back(std::move(result));
   }
 
   // Whoever reaches into what nobody else sees goes on there as far as colours say (Rother, Kolmogorov & Blake 2004,
@@ -299,21 +410,6 @@ class Judge {
       if (cv::countNonZero((label == p) & here) > 0) mask(box).setTo(0, label == p);
   }
 
-  // Whether the outline is the view's rather than another one's.
-  bool isOddOne(const cv::Mat& region, cv::Rect box) const {
-    box = cv::Rect(box.x - kBand, box.y - kBand, box.width + 2 * kBand, box.height + 2 * kBand) &
-          cv::Rect(0, 0, width_, height_);
-    const cv::Mat here = region(box), seen(here.size(), CV_8U, cv::Scalar(255));
-    const auto [own, whole] = outline(view_.colour(box), here, seen);
-    for (const Warped& w : warped_) {
-      if (agreesAround(here, w.differs(box), w.inside(box), known_(box)) < kAgrees) continue;
-      const auto [other, length] = outline(w.colour(box), here, w.inside(box));
-      const auto [same, again] = outline(view_.colour(box), here, w.inside(box));
-      if (length > kSeen * whole && same > kOutline * other + kOutlineNoise) return true;
-    }
-    return false;
-  }
-
   // Share of what another one sees around a region that it shows alike; 0 where hardly anything is known of the place.
   static double agreesAround(const cv::Mat& region, const cv::Mat& differs, const cv::Mat& inside,
                              const cv::Mat& known) {
@@ -326,46 +422,21 @@ class Judge {
     return cv::countNonZero(around & (differs < kPerhaps)) / all;
   }
 
-  // Mean contrast across a region's outline where it is seen, grey levels, and how much of it is, px.
-  static std::pair<double, double> outline(const cv::Mat& colour, const cv::Mat& region, const cv::Mat& seen) {
-    cv::Mat inner, outer, rim;
-    cv::erode(region, inner, disc(1));
-    cv::dilate(region, outer, disc(2));
-    rim = outer & ~inner & seen;
-    const auto meanOf = [&](const cv::Mat& where) {
-      cv::Mat some, sum, weight, shown;
-      colour.copyTo(shown, where);
-      where.convertTo(some, CV_32F, 1.0 / 255);
-      cv::blur(shown, sum, {2 * kBand + 1, 2 * kBand + 1}, {-1, -1}, cv::BORDER_CONSTANT);
-      cv::blur(some, weight, {2 * kBand + 1, 2 * kBand + 1}, {-1, -1}, cv::BORDER_CONSTANT);
-      rim &= weight > 0.02;
-      cv::cvtColor(cv::max(weight, 1e-6), weight, cv::COLOR_GRAY2RGB);
-      return cv::Mat(sum / weight);
-    };
-    const cv::Mat off = meanOf(region & seen) - meanOf(~outer & seen);
-    double sum = 0, count = 0;
-    for (int y = 0; y < rim.rows; ++y)
-      for (int x = 0; x < rim.cols; ++x) {
-        if (!rim.at<std::uint8_t>(y, x)) continue;
-        sum += cv::norm(off.at<cv::Vec3f>(y, x)) / std::sqrt(3.0);
-        count += 1;
-      }
-    return {count > 0 ? sum / count : 0, count};
-  }
-
   Half view_;
   Camera frame_;
   std::span<const glm::dvec3> points_;
   std::vector<Half> others_;
   int width_ = 0, height_ = 0;
+  ImageF matched_, depth_;      // inverse depth; completed
   std::vector<Warped> warped_;  // others, through the completed depth
   cv::Mat explained_;           // 255: looks like another one at some depth
   cv::Mat known_;               // 255: its depth was not completed
+  cv::Mat forgotten_;           // 255: nor may it be known
 };
 
 }  // namespace
 
-Image8 moverMask(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points) {
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points) {
   return Judge(view, others, points).run();
 }
 
