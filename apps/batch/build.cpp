@@ -173,9 +173,10 @@ ExitCode buildScene(const Options& options, const Context& context) {
   };
   std::optional<PoseRefinement> refinement;
   if (options.choices.refinePoses && !options.dryRun) {
-    refinement = refinePosesOf(build, build.output / ".refined", context);
-    if (refinement) context.print("{}\n", text(*refinement));
+    ProgressLine progress(context);
+    refinement = refinePosesOf(build, build.output / ".refined", progress.callback(), context.log());
   }
+  if (refinement) context.print("{}\n", text(*refinement));
   BuildReport report;
   StageSeconds stages;
   {

@@ -24,10 +24,10 @@ struct BuildChoices {
 /// All but the photographs' and the scene's folder. Gives what it declared.
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
-/// Refines the poses of a build, where they are estimates, and writes the model to `folder`, for the build to read.
-/// nullopt where nothing is refined: the build stays as it is. Throws Error.
+/// Refines the poses of a build, where they are estimates, and writes the model to `folder`, for the build to read. The
+/// build stays as it is where they are kept, or where there is nothing to refine: then nullopt. Throws Error.
 std::optional<PoseRefinement> refinePosesOf(BuildOptions& build, const std::filesystem::path& folder,
-                                            const Context& context);
+                                            const ProgressCallback& progress, const LogCallback& log);
 
 /// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
 /// building runs COLMAP. Throws Error.

@@ -91,7 +91,8 @@ const Command kEvalCommand{
         "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene without "
         "each photograph and renders its view; options of ibr build apply. Cells that do not have the photograph are matched "
         "once for all views where points are the model's; tracks of our own (--tracks own, and auto where the model has "
-        "few) change with what is left out, so that cells are matched anew. "
+        "few) change with what is left out, so that cells are matched anew. With --refine-poses auto, what is left out takes "
+        "no part in it; --refine-poses off --resect is what it compares with. "
         "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. What a mask of the truth covers (--masks) is left out of all of them. "
         "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until the "
         "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
@@ -126,6 +127,9 @@ const Command kEvalCommand{
                                     "Of --leave-one-out: folder for what is built; kept, so that the next run with "
                                     "other settings need not match again [a temporary one, gone at the end]")
                          ->type_name("DIR"));
+      only.push_back(app.add_flag("--resect", options->leaveOneOut.resect,
+                                  "Of --leave-one-out: poses of what is left out are found anew, by the points that it "
+                                  "shares with the others; as they are wherever --refine-poses moves these"));
       for (CLI::Option* option : declareBuildOptions(app, options->build))
         if (option->get_name() != "--masks") only.push_back(option);  // of the truth: there it does not count
       for (CLI::Option* option : only) option->needs(rebuilt);

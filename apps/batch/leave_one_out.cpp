@@ -5,11 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "author/read_poses.h"
+#include "author/resect.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/file_hash.h"
 #include "batch/poses.h"
-#include "batch/refinement_report.h"
 #include "ibr/author.h"
 #include "shared/progress.h"
 #include "shared/settings.h"
@@ -23,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Counts {
   std::size_t matched = 0, shared = 0;  // cells
+  std::size_t refined = 0;              // views for which the others' poses were
 };
 
 std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const LeaveOneOutOptions& options) {
@@ -65,9 +67,16 @@ std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build
 
 class LeaveOneOut {
  public:
-  LeaveOneOut(const BuildOptions& build, const EvaluationOptions& evaluation, std::uint64_t key, fs::path work,
-              const Context& context)
-      : build_(build), evaluation_(evaluation), key_(key), work_(std::move(work)), context_(context) {
+  LeaveOneOut(const BuildOptions& build, bool refine, bool resect, const EvaluationOptions& evaluation,
+              std::uint64_t key, fs::path work, const Context& context)
+      : build_(build),
+        given_(readPoses(build, {})),
+        refine_(refine),
+        resect_(resect),
+        evaluation_(evaluation),
+        key_(key),
+        work_(std::move(work)),
+        context_(context) {
     build_.output = work_ / ".scene-without-one";
     build_.finishedCells = work_ / "cells";
   }
@@ -87,6 +96,8 @@ class LeaveOneOut {
     fs::create_directories(file(view.name).parent_path());
     Json json = outcomeJson(outcome);
     json["device"] = device_;
+    json["posesRefined"] = refined_;
+    counts_.refined += refined_;
     writeFile(file(view.name), json.dump());
     return outcome;
   }
@@ -112,6 +123,7 @@ class LeaveOneOut {
       if (outcome.failure.empty() && !std::ranges::all_of(pictures, [](const fs::path& f) { return fs::exists(f); }))
         return std::nullopt;
       if (const std::string device = json.at("device"); !device.empty()) device_ = device;
+      counts_.refined += json.at("posesRefined").get<bool>();
       return outcome;
     } catch (const Json::exception&) {
       return std::nullopt;  // damaged: made again
@@ -123,16 +135,33 @@ class LeaveOneOut {
     BuildOptions build = build_;
     build.exclude.push_back(view.name);
     fs::remove_all(build.output);
-    const BuildReport report = ibr::build(build, [&](const Progress&) { return progress.show(place); });
+    const ProgressCallback shown = [&](const Progress&) { return progress.show(place); };
+    refined_ = false;
+    if (refine_)
+      if (const auto refinement = refinePosesOf(build, work_ / ".refined-without-one", shown, context_.log()))
+        refined_ = !refinement->moved.empty();
+    const BuildReport report = ibr::build(build, shown);
     for (const auto& cell : report.cells) ++(cell.resumed ? counts_.shared : counts_.matched);
     const Scene scene = loadScene(build.output);
     check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without it");
-    Evaluator evaluator(scene, {view}, evaluation_, context_);
+    const View among = refined_ || resect_ ? resectedView(view, build) : view;
+    Evaluator evaluator(scene, {among}, evaluation_, context_);
     device_ = evaluator.deviceName();
-    return evaluator.evaluate(view, truth, used);
+    return evaluator.evaluate(among, truth, used);
+  }
+
+  // Among the poses that the build had; as it was where it shares too few points with them.
+  View resectedView(const View& view, const BuildOptions& build) const {
+    const auto camera = resected(given_, view.name, readPoses(build, {}));
+    if (!camera) return view;
+    const Intrinsics& k = view.camera.intrinsics;
+    return {view.name, {resized(camera->intrinsics, k.width, k.height), camera->pose}};
   }
 
   BuildOptions build_;
+  const PosedModel given_;
+  const bool refine_, resect_;
+  bool refined_ = false;  // for the view at hand
   const EvaluationOptions& evaluation_;
   std::uint64_t key_;
   fs::path work_;
@@ -159,12 +188,6 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
                                              : fs::path(options.work);
   build.output = work;
-  std::optional<PoseRefinement> refinement;
-  if (choices.refinePoses) {  // once, with all photographs, as they were estimated: the truth's pose fits the others'
-    build.finishedCells = work / "cells";
-    refinement = refinePosesOf(build, work / "refined", context);
-    if (refinement) context.print("{}\n", text(*refinement));
-  }
   const PosedPhotographs photographs(build, context.log());
   const std::vector<std::size_t> chosen = chosenViews(photographs, options);
   std::vector<View> views;
@@ -177,7 +200,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
               views.size(), photographs.images().size(), work.string(),
               options.work.empty() ? " until all are done" : "");
 
-  LeaveOneOut run(build, evaluation, key, work, context);
+  LeaveOneOut run(build, choices.refinePoses, options.resect, evaluation, key, work, context);
   std::vector<ViewOutcome> outcomes;
   {
     ProgressLine progress(context);
@@ -196,12 +219,14 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
              {"photographs", options.photographs},
              {"model", poses.string()},
              {"cellsMatched", run.counts().matched},
-             {"cellsShared", run.counts().shared}};
-  if (refinement) about["refinement"] = json(*refinement);
+             {"cellsShared", run.counts().shared},
+             {"posesRefined", run.counts().refined}};
   reportOutcomes(outcomes, evaluation, std::move(about), context);
   context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
                 run.counts().shared);
-  fs::remove_all(work / ".scene-without-one");
+  if (choices.refinePoses)
+    context.print("poses were refined for {} of {} views, kept for the others\n", run.counts().refined, views.size());
+  for (const char* folder : {".scene-without-one", ".refined-without-one"}) fs::remove_all(work / folder);
   if (options.work.empty()) fs::remove_all(work);
   check(std::ranges::any_of(outcomes, [](const ViewOutcome& o) { return o.failure.empty(); }), ErrorCode::invalidInput,
         "{}: no photograph could be left out: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);

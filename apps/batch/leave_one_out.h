@@ -4,7 +4,8 @@
 //   1. cells are finished in one folder for all builds, under keys that say all that a cell depends on: those without
 //      the photograph are matched once (BuildOptions::finishedCells), where their points do not change with it: tracks
 //      of our own do
-//   2. what came of a view is kept, under a key of all that it depends on: an interrupted run goes on
+//   2. where poses are refined, they are so without the photograph, too, which is then resected among them
+//   3. what came of a view is kept, under a key of all that it depends on: an interrupted run goes on
 #pragma once
 
 #include <string>
@@ -20,6 +21,7 @@ struct LeaveOneOutOptions {
   std::string photographs, work;
   std::vector<std::string> views;  // names; empty: every `every`th, by name
   int every = 1;
+  bool resect = false;  // its camera is found anew, by the points that it shares with the others (author/resect.h)
   std::vector<std::string> words;  // of the command line, that scores depend on: options and their values
 };
 

@@ -32,6 +32,12 @@ PosedModel posesBefore(const BuildOptions& build) {
 ExitCode refine(const Options& options, const Context& context) {
   BuildOptions build = buildOptionsOf(options.choices, options.photographs, context);
   build.output = options.output;
+  for (const fs::path& given : {build.model, fs::path(options.truth)}) {
+    std::error_code ignored;
+    check(given.empty() || !fs::equivalent(given, options.output, ignored), ErrorCode::invalidInput,
+          "{}: -o would overwrite the model {}; name another folder for what is refined", options.output,
+          given.string());
+  }
   std::optional<PosedModel> truth;
   if (!options.truth.empty()) {
     check(!build.model.empty() || !build.transforms.empty(), ErrorCode::invalidInput,
@@ -45,7 +51,8 @@ ExitCode refine(const Options& options, const Context& context) {
     refined = refinedModel(build, progress.callback(), context.log());
   }
   writeColmapModel(refined.model, options.output);
-  context.print("{}{}: the model, refined\n", text(refined.refinement), options.output);
+  context.print("{}{}: the model, {}\n", text(refined.refinement), options.output,
+                refined.refinement.moved.empty() ? "as it was" : "refined");
   Json report{{"model", options.output}, {"refinement", json(refined.refinement)}};
   if (truth) {
     const PoseErrors before = poseErrors(posesBefore(build), *truth);
@@ -65,17 +72,18 @@ const Command kRefineCommand{
     .examples =
         "ibr refine photographs -o refined\n"
         "ibr refine photographs --model colmap/sparse/0 -o refined --max-size 1600\n"
+        "ibr refine photographs --model colmap/sparse/0 -o refined --masks masks\n"
         "ibr refine photographs --model noisy -o refined --truth exact",
     .details =
-        "Cells are matched as ibr build matches them, and one bundle adjustment over the matches of all cells and "
-        "the model's points makes poses, focal lengths and principal points agree; place, direction and scale of the "
-        "world stay. ibr build --refine-poses auto does the same first; this is for poses that several commands are "
-        "to share. It takes about as long as a build. Options are those of ibr build; of them, what only changes how "
-        "the scene is stored does nothing.\n\nIt is for poses that are known to be off: planted turns of half a pixel "
-        "to two come down to 0.04 px. Where an estimator has settled poses, views may get better or worse (on five "
-        "sets by +0.7 to -0.9 dB): compare by ibr eval --leave-one-out, with --refine-poses auto and without. MODEL "
-        "is a COLMAP model in text. Focal lengths of lenses that distort stay. Poses stay where the model's points "
-        "reproject exactly. Parts of a model that share no points are each mended by themselves.",
+        "Cells are matched as ibr build matches them; bundle adjustments over the model's points, then those of all "
+        "cells as well, then with focal lengths and principal points, make poses agree; place, direction and scale of "
+        "the world stay. Each is taken only if, made with half of the points, it suits the other half better, those of "
+        "cells and those of the model, by 3 standard errors: poses that an estimator has settled are mostly kept, and "
+        "the report says so. ibr build --refine-poses auto does the same first; this is for poses that several "
+        "commands are to share. It takes about as long as a build. Options are those of ibr build; of them, what only "
+        "changes how the scene is stored does nothing.\n\nMODEL is a COLMAP model in text. Intrinsics of lenses that "
+        "distort stay. Poses stay where the model's points reproject exactly. Parts of a model that share no points "
+        "are each mended by themselves.",
     .afterInterrupt = "What was finished is kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -26,13 +26,21 @@ Json errorsJson(const PoseRefinement::Errors& errors) {
 }  // namespace
 
 std::string text(const PoseRefinement& r) {
-  if (r.moved.empty()) return "poses stay: they are exact, or no photographs share a point\n";
+  if (r.steps.empty()) return "poses stay: they are exact, or no photographs share a point\n";
+  std::string said;
+  for (const auto& step : r.steps)
+    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.by, step.taken ? "taken" : "left");
+  if (r.moved.empty())
+    return fmt::format(
+        "poses are kept: refined by half of the points they suit the other half no better ({} points of cells, {} of "
+        "the model; reprojection, median and 9 of 10: {:.3f} and {:.3f} px)\n",
+        r.tracksOfCells, r.tracksOfModel, r.before.medianPx, r.before.p90Px);
   const auto furthest = std::ranges::max_element(r.moved, {}, &PoseRefinement::Moved::turnPx);
   return fmt::format(
-      "poses of {} photographs are refined by {} points of cells and {} of the model:\n"
+      "poses of {} photographs are refined by {} points of cells and {} of the model ({}):\n"
       "  reprojection, median and 9 of 10: {:.3f} and {:.3f} px before, {:.3f} and {:.3f} px after\n"
       "  turned by {:.2f} px (median; {} most, by {:.2f}), shifted by {:.4g} (median); focal lengths × {:.5f}\n",
-      r.moved.size(), r.tracksOfCells, r.tracksOfModel, r.before.medianPx, r.before.p90Px, r.after.medianPx,
+      r.moved.size(), r.tracksOfCells, r.tracksOfModel, said, r.before.medianPx, r.before.p90Px, r.after.medianPx,
       r.after.p90Px, medianOf(r.moved, &PoseRefinement::Moved::turnPx), furthest->photograph, furthest->turnPx,
       medianOf(r.moved, &PoseRefinement::Moved::shift), medianOf(r.moved, &PoseRefinement::Moved::focalFactor));
 }
@@ -40,9 +48,13 @@ std::string text(const PoseRefinement& r) {
 Json json(const PoseRefinement& r) {
   Json report{{"tracksOfCells", r.tracksOfCells},
               {"tracksOfModel", r.tracksOfModel},
+              {"kept", r.moved.empty()},
+              {"steps", Json::array()},
               {"before", errorsJson(r.before)},
               {"after", errorsJson(r.after)},
               {"photographs", Json::array()}};
+  for (const auto& [by, cells, model, taken] : r.steps)
+    report["steps"].push_back({{"by", by}, {"cellsSurer", cells}, {"modelSurer", model}, {"taken", taken}});
   for (const auto& [photograph, turnPx, shift, focalFactor] : r.moved)
     report["photographs"].push_back(
         {{"photograph", photograph}, {"turnPx", turnPx}, {"shift", shift}, {"focalFactor", focalFactor}});

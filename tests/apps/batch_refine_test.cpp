@@ -2,6 +2,7 @@
 // `ibr synth noise`, `ibr refine`, and builds that refine poses.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,8 @@
 #include <vector>
 
 #include "base/file.h"
+#include "ibr/image.h"
+#include "io/image_file.h"
 #include "run_program.h"
 #include "support/temporary_folder.h"
 
@@ -91,19 +94,66 @@ TEST_CASE("noise that is planted into poses is refined away, by builds as by ibr
   CHECK_FALSE(same.contains("refinement"));  // exact poses are not estimates
 }
 
-TEST_CASE("where photographs are left out, poses are refined once, by all of them") {
+TEST_CASE("what is left out takes no part in refining the others' poses, and is resected among them") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const Wall wall(folder);
   const auto leftOut = [&](const std::string& refine) {
     return reportOf(runProgram(wall.line({"eval", "--leave-one-out", wall.photographs, "--refine-poses", refine,
-                                          "--no-backdrops", "--every", "3", "--work", folder / refine})));
+                                          "--resect", "--no-backdrops", "--every", "3", "--work", folder / refine})));
   };
   const json off = leftOut("off"), refined = leftOut("auto");
-  CHECK_FALSE(off.contains("refinement"));
+  CHECK(off["posesRefined"] == 0);
   CHECK(refined["views"].size() == 2);
-  CHECK(refined["refinement"]["photographs"].size() == 4);
-  CHECK(refined["mean"]["psnrCovered"] > off["mean"]["psnrCovered"].get<double>() + 5);
+  CHECK(refined["posesRefined"] == 2);
+  CHECK(refined["mean"]["psnrCovered"] > off["mean"]["psnrCovered"].get<double>() + 3);
+  CHECK(leftOut("auto")["mean"] == refined["mean"]);  // kept from before
+  CHECK(leftOut("auto")["posesRefined"] == 2);
+}
+
+TEST_CASE("poses that points confirm are kept, with the cells that were matched") {
+  test::TemporaryFolder folder;
+  const Wall wall(folder);
+  const std::string loose = folder / "loose", scene = folder / "scene";
+  REQUIRE(runProgram({"synth", "noise", "--model", wall.exact, "--pixels", "0", "--track-pixels", "0.3", "-o", loose})
+              .code == 0);
+  std::vector<std::string> line{"build",       wall.photographs, "--model", loose,  "-o", scene,
+                                "--refine-poses", "auto",        "--json",  "-",    "--exclude"};
+  for (int i = 4; i < 16; ++i) line.push_back(fmt::format("photo{:04}.jpg", i));
+  const json report = reportOf(runProgram(line));
+  CHECK(report["refinement"]["kept"] == true);
+  CHECK(report["refinement"]["photographs"].empty());
+  CHECK(report["model"] == loose);
+  REQUIRE_FALSE(report["cells"].empty());
+  for (const json& cell : report["cells"]) CHECK(cell["resumed"] == true);
+  CHECK_FALSE(std::filesystem::exists(folder / "scene/.refined"));
+}
+
+TEST_CASE("refining overwrites no model, minds masks, and what is left out stays so") {
+  test::TemporaryFolder folder;
+  const Wall wall(folder);
+  for (const std::string& other : {wall.noisy, wall.exact}) {
+    const test::Outcome refused =
+        runProgram(wall.line({"refine", wall.photographs, "-o", other, "--truth", wall.exact}));
+    CHECK(refused.code == 3);
+    CHECK(refused.err.find(other + ": -o would overwrite the model " + other) != std::string::npos);
+  }
+  const json built =
+      reportOf(runProgram(wall.line({"build", wall.photographs, "-o", folder / "scene", "--refine-poses", "auto"})));
+  CHECK(built["unused"].empty());
+  // Half of each photograph is masked.
+  std::filesystem::create_directories(folder / "masks");
+  Image8 mask(320, 240, 1, 255);
+  std::fill(mask.values.begin(), mask.values.begin() + 320 * 120, std::uint8_t(0));
+  for (int i = 0; i < 4; ++i) writeImage(folder / fmt::format("masks/photo{:04}.png", i), mask);
+  const auto points = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"refine", wall.photographs, "-o", folder / "refined"});
+    return reportOf(runProgram(wall.line(more)))["refinement"];
+  };
+  const json whole = points({}), half = points({"--masks", folder / "masks"});
+  for (const char* tracks : {"tracksOfCells", "tracksOfModel"})
+    CHECK(half[tracks].get<double>() < 0.7 * whole[tracks].get<double>());
+  CHECK_FALSE(std::filesystem::exists(folder / "refined/.build"));
 }
 
 TEST_CASE("noise is planted into a COLMAP model, and nothing else") {

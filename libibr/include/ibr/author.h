@@ -156,7 +156,7 @@ struct BuildOptions {
   std::filesystem::path panoramas;    // file that readPanoramas reads; where none is given, estimatePoses is asked
   std::string colmap = "colmap";      // the program that it runs
   std::filesystem::path output;       // scene folder; made if missing
-  std::vector<std::string> exclude;   // image names left out (held out for evaluation)
+  std::vector<std::string> exclude;   // image names left out (held out for evaluation); files the model lacks may be there
   Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
   std::filesystem::path masks;  // folder of masks (author/masks.h): what is 0 there is neither matched nor shown

@@ -30,6 +30,7 @@
 #include "base/stopwatch.h"
 #include "base/usage.h"
 #include "ibr/author.h"
+#include "io/image_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -74,6 +75,7 @@ class Builder {
     const SingleThreadedOpenCv quiet;
     hashPhotographs();
     addOwnTracks(input_, options_, jobs_, log_);
+    takeMasksFromTracks();
     PoseRefinement refinement;
     if (input_.refine) {
       planCells();
@@ -97,13 +99,20 @@ class Builder {
     return wanted;
   }
 
+  // With their masks, of the stored size, among the finished cells: there is no scene yet.
   void hashPhotographs() {
     makeFolders(keptFolder(options_));
     input_.hashes.resize(input_.photographs.size());
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, photo.sourcePixels + bytesToLoad(photo));
     jobs_.runAll("reading photographs", input_.photographs.size(), bytes,
-                 [&](std::size_t i) { input_.hashes[i] = hashPhotograph(input_.photographs[i]); });
+                 [&](std::size_t i) {
+      Photograph& photo = input_.photographs[i];
+      input_.hashes[i] = hashPhotograph(photo);
+      if (photo.mask.empty()) return;
+      photo.storedMask = keptFile(keptFolder(options_), input_.hashes[i], "png");
+      writeImage(photo.storedMask, loadMask(photo, photo.mask));
+    });
   }
 
   void storePhotographs() {

@@ -31,6 +31,7 @@ std::string utf8Of(const std::string& name) {
 std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOptions& options) {
   std::set<std::string> known;
   for (const PosedImage& image : model.images) known.insert(image.name);
+  known.insert(options.exclude.begin(), options.exclude.end());
   const fs::path scene = fs::weakly_canonical(options.output) / "images";
   const fs::path photographs = fs::weakly_canonical(options.photographs);
   std::vector<UnusedPhotograph> unknown;
@@ -100,6 +101,16 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
       log(LogLevel::warning, fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
 }
 
+// Photographs that are to be left out may be so already. Names of none are faults.
+std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions& options) {
+  std::vector<std::string> names = options.exclude;
+  std::erase_if(names, [&](const std::string& name) {
+    return std::ranges::find(model.images, name, &PosedImage::name) == model.images.end() &&
+           fs::is_regular_file(options.photographs / name);
+  });
+  return names;
+}
+
 }  // namespace
 
 void checkOptions(const BuildOptions& options) {
@@ -120,7 +131,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   BuildInput input;
   input.model = readPoses(options, log);
   input.unknown = unknownTo(input.model, options);
-  removeImages(input.model, options.exclude);
+  removeImages(input.model, toLeaveOut(input.model, options));
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
         posesFile(options).string());
   for (const PosedImage& image : input.model.images)

@@ -121,7 +121,7 @@ class Adjustment {
         double* const pose = unknowns_.poses[seen.camera].data();
         double* const lens = unknowns_.lenses.at(camera.intrinsics).data();
         double* const point = unknowns_.points[p].data();
-        problem_.AddResidualBlock(new Residual(camera.camera, anchored_[p], seen.pixel), &loss_, pose, lens, point);
+        problem_.AddResidualBlock(new Residual(camera.camera, anchored_[p], seen.pixel), loss_.get(), pose, lens, point);
         order_->AddElementToGroup(point, 0);
         order_->AddElementToGroup(pose, 1);
         order_->AddElementToGroup(lens, 1);
@@ -168,7 +168,9 @@ class Adjustment {
   const BundleOptions& options_;
   std::vector<AnchoredPoint> anchored_;
   Unknowns unknowns_;
-  ceres::SoftLOneLoss loss_{options_.softPx};
+  std::unique_ptr<ceres::LossFunction> loss_ =
+      options_.cauchyPx > 0 ? std::unique_ptr<ceres::LossFunction>(new ceres::CauchyLoss(options_.cauchyPx))
+                            : std::make_unique<ceres::SoftLOneLoss>(options_.softPx);
   std::unique_ptr<ceres::ParameterBlockOrdering> order_ = std::make_unique<ceres::ParameterBlockOrdering>();
   ceres::Problem problem_{[] {
     ceres::Problem::Options options;

@@ -2,7 +2,7 @@
 // Bundle adjustment (Triggs et al. 2000): poses, intrinsics and points that fit best where points are seen.
 //
 //   minimised   Σ ρ(|seen − projected|²) + Σ (change / deviation)² of poses and intrinsics since the start
-//   ρ           soft L1: squares up to `softPx`, distances beyond it
+//   ρ           soft L1: squares up to `softPx`, distances beyond it; or Cauchy's: hardly more, however far beyond
 //   pose        a rotation about the camera's axes and a shift in the world, both since the start
 //   intrinsics  a factor of both focal lengths and a shift of the principal point; cameras may share them
 //   point       a direction and an inverse distance from the middle of those that see it, so that infinity is a place
@@ -41,6 +41,7 @@ struct BundlePoint {
 /// Deviations are one standard deviation, against reprojections of 1 px. 0: stays as it is.
 struct BundleOptions {
   double softPx = 0.5;
+  double cauchyPx = 0;    // > 0: Cauchy's loss of this scale, for points of which many are wrong
   double radians = 0.01;  // of a camera's rotation
   double shift = 0.01;    // of its position, world units
   double focal = 0;       // of the focal lengths' logarithm

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <span>
 
 #include "author/bundle_adjust.h"
+#include "author/cross_validation.h"
 #include "author/dense_tracks.h"
 #include "author/posed_model.h"
 #include "author/similarity.h"
@@ -16,6 +19,8 @@ namespace {
 
 constexpr double kRadians = 0.01, kShift = 0.02;  // one standard deviation of the priors; of the median edge of cells
 constexpr double kFocal = 0.05, kCentrePx = 2.0;
+constexpr double kCauchyPx = 0.15;  // errors of good matches; a dense matcher's others are large and one-sided
+constexpr double kSure = 3;         // standard errors by which a step must fit better to be taken
 
 struct Problem {
   std::vector<BundleCamera> cameras;  // at the size that is matched
@@ -84,6 +89,100 @@ PoseRefinement::Errors errorsOf(const Problem& problem, const Bundle& bundle) {
   return {median(errors), p90};
 }
 
+// What cameras are fitted to, and whether their intrinsics are.
+struct Fit {
+  bool cells = false, intrinsics = false;
+};
+
+// Fits of more and more, each taken only if it suits what it was not fitted to (cross_validation.h).
+class Fits {
+ public:
+  Fits(const Problem& problem, const std::vector<std::size_t>& used, double edge) : problem_(problem) {
+    options_.cauchyPx = kCauchyPx;
+    options_.radians = kRadians;
+    options_.shift = kShift * edge;
+    std::vector<Camera> cameras;
+    for (const std::size_t i : used) cameras.push_back(problem.cameras[i].camera);
+    patches_ = patchesOf(cameras, problem.points);
+  }
+
+  std::vector<BundleCamera> fitted(const Fit& fit, int half = kBoth) const {
+    std::vector<BundlePoint> points;
+    for (std::size_t p = fit.cells ? 0 : problem_.ofCells; p < problem_.points.size(); ++p)
+      if (half == kBoth || halfOf(p) == half) points.push_back(problem_.points[p]);
+    BundleOptions options = options_;
+    if (fit.intrinsics) {
+      options.focal = kFocal;
+      options.centrePx = kCentrePx;
+    }
+    const Bundle bundle = adjustBundle(problem_.cameras, points, options);
+    std::vector<BundleCamera> cameras = problem_.cameras;
+    for (std::size_t i = 0; i < cameras.size(); ++i) cameras[i].camera = bundle.cameras[i];
+    return cameras;
+  }
+
+  // nullopt: none is better than what was given.
+  std::optional<Fit> best(std::vector<PoseRefinement::Step>& steps) const {
+    std::optional<Fit> best;
+    std::vector<double> costs = costsOf(problem_.cameras, problem_.points, kCauchyPx);
+    const auto attempt = [&](const char* by, const Fit& fit) {
+      const std::vector<double> now = costsOfOthers(fit);
+      PoseRefinement::Step step{by, surer(costs, now, true), surer(costs, now, false)};
+      const bool told = !std::isnan(step.cellsSurer) || !std::isnan(step.modelSurer);
+      step.taken = told && !(step.cellsSurer < kSure) && !(step.modelSurer < kSure);
+      steps.push_back(step);
+      if (!step.taken) return;
+      best = fit;
+      costs = now;
+    };
+    if (problem_.points.size() > problem_.ofCells) attempt("points of the model", {false, false});
+    if (problem_.ofCells > 0) attempt("points of cells", {true, false});
+    attempt("intrinsics", {best ? best->cells : true, true});
+    return best;
+  }
+
+ private:
+  static constexpr int kBoth = -1;
+
+  int halfOf(std::size_t point) const { return int(patches_[point] % 2); }
+
+  // Of all points, by cameras that were fitted to the half where they are not.
+  std::vector<double> costsOfOthers(const Fit& fit) const {
+    std::vector<double> costs(problem_.points.size());
+    for (const int half : {0, 1}) {
+      std::vector<BundlePoint> points = problem_.points;
+      for (std::size_t p = 0; p < points.size(); ++p)
+        if (halfOf(p) != half) points[p].seen.clear();
+      const std::vector<double> ofHalf = costsOf(fitted(fit, 1 - half), points, kCauchyPx);
+      for (std::size_t p = 0; p < points.size(); ++p) costs[p] += ofHalf[p];
+    }
+    return costs;
+  }
+
+  double surer(const std::vector<double>& before, const std::vector<double>& after, bool cells) const {
+    const std::size_t first = cells ? 0 : problem_.ofCells;
+    const std::size_t count = cells ? problem_.ofCells : before.size() - first;
+    return significance(std::span(before).subspan(first, count), std::span(after).subspan(first, count),
+                        std::span(patches_).subspan(first, count));
+  }
+
+  const Problem& problem_;
+  BundleOptions options_;
+  std::vector<std::uint32_t> patches_;
+};
+
+// Pinholes that see a point that another sees, too.
+std::vector<std::size_t> camerasThatShare(const Problem& problem, const BuildInput& input) {
+  std::vector<bool> sees(problem.cameras.size(), false);
+  for (const BundlePoint& point : problem.points)
+    if (point.seen.size() > 1)
+      for (const BundleObservation& seen : point.seen) sees[seen.camera] = true;
+  std::vector<std::size_t> cameras;
+  for (std::size_t i = 0; i < sees.size(); ++i)
+    if (sees[i] && isPinhole(input.photographs[i])) cameras.push_back(i);
+  return cameras;
+}
+
 double medianEdge(const BuildInput& input, const std::vector<Cell>& cells) {
   std::vector<double> edges;
   for (const Cell& cell : cells)
@@ -108,27 +207,20 @@ void setCamera(Camera& camera, const Camera& was, const Camera& matched) {
 
 PoseRefinement refinePoses(BuildInput& input, const std::vector<Cell>& cells) {
   const Problem problem = problemOf(input, cells);
-  PoseRefinement report{problem.ofCells, input.model.tracks.size(), {}, {}, {}};
+  PoseRefinement report;
+  report.tracksOfCells = problem.ofCells;
+  report.tracksOfModel = input.model.tracks.size();
   const double edge = medianEdge(input, cells);
-  if (!(edge > 0)) return report;
-  std::vector<std::size_t> used;
-  std::vector<bool> sees(problem.cameras.size(), false);
-  for (const BundlePoint& point : problem.points)
-    if (point.seen.size() > 1)
-      for (const BundleObservation& seen : point.seen) sees[seen.camera] = true;
-  for (std::size_t i = 0; i < sees.size(); ++i)
-    if (sees[i] && isPinhole(input.photographs[i])) used.push_back(i);
-
-  std::vector<BundleCamera> still = problem.cameras;
-  for (BundleCamera& camera : still) camera.fixed = true;
-  const Bundle before = adjustBundle(still, problem.points);
-  BundleOptions options;
-  options.radians = kRadians;
-  options.shift = kShift * edge;
-  options.focal = kFocal;
-  options.centrePx = kCentrePx;
-  Bundle after = adjustBundle(problem.cameras, problem.points, options);
-  report.before = errorsOf(problem, before);
+  const std::vector<std::size_t> used = camerasThatShare(problem, input);
+  if (!(edge > 0) || used.empty()) return report;
+  const Fits fits(problem, used, edge);
+  const std::optional<Fit> best = fits.best(report.steps);
+  const auto placed = [&](std::span<const BundleCamera> cameras) {
+    return adjustBundle(still(cameras), problem.points, {.cauchyPx = kCauchyPx});
+  };
+  report.before = report.after = errorsOf(problem, placed(problem.cameras));
+  if (!best) return report;
+  Bundle after = placed(fits.fitted(*best));
   report.after = errorsOf(problem, after);
 
   std::vector<Pose> from, to;
