@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which cells are drawn, in which order, with which weights ([T] §2.5.1 "clamping", §2.5.2). Pure.
 //
-// Departures: a cell overtakes another only by a margin, so that a camera on the border of two cells does not flicker;
-// cells with equal keys are told apart by their members' positions, so that the order of cells in a file means nothing;
-// for two views one order is made from the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other
-// changes fade (transition.h).
+// Departures: a cell overtakes another only by a margin, and cells with equal keys are told apart by their members'
+// positions, so that the order of cells in a file means nothing (cell_choice.h); for two views one order is made from
+// the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other changes fade (transition.h).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <optional>
 
@@ -18,6 +17,7 @@
 #include "ibr/renderer.h"
 #include "render/alignment.h"
 #include "render/backdrop_choice.h"
+#include "render/cell_choice.h"
 #include "render/cell_order.h"
 #include "render/colour_plan.h"
 #include "render/culling.h"
@@ -44,18 +44,6 @@ void checkView(const Camera& view) {
 
 void checkScale(const char* name, double scale) {
   check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "settings: {} {} is not positive", name, scale);
-}
-
-// Positions of a cell's members, sorted: what tells two cells apart wherever they stand in the file.
-std::vector<std::array<double, 7>> identity(const Scene& scene, const Cell& cell) {
-  std::vector<std::array<double, 7>> poses;
-  for (std::uint32_t member : cell.members) {
-    const Pose& pose = scene.nodes[member].camera.pose;
-    poses.push_back({pose.position.x, pose.position.y, pose.position.z, pose.rotation.w, pose.rotation.x,
-                     pose.rotation.y, pose.rotation.z});
-  }
-  std::sort(poses.begin(), poses.end());
-  return poses;
 }
 
 // The pose in the middle: of two views the mean position and the rotation half-way.
@@ -192,42 +180,12 @@ class Planner {
     return !has(settings_.mutedCells) && (settings_.soloCells.empty() || has(settings_.soloCells));
   }
 
-  // A cell in view. Small, since it is sorted; `planned` is an index into what stays in place.
-  struct Candidate {
-    std::uint32_t cell, planned;
-    double extrapolation, rotation;  // PlannedCell::extrapolationDistance, rotationalDistance
-    double size;
-    bool nearlyInView;  // only its correction may bring it into view
-    std::int64_t rank;  // in the frame before; kNew if it was not drawn
-  };
-  static constexpr std::int64_t kNew = std::numeric_limits<std::int64_t>::max();
-  static constexpr double kKeepDistance = 0.02;  // of a cell's size
-  static constexpr double kKeepAngle = 0.02;     // radians, about a degree
-
-  bool better(const Candidate& a, const Candidate& b) const {
-    if (a.extrapolation != b.extrapolation) return a.extrapolation < b.extrapolation;
-    if (a.rotation != b.rotation) return a.rotation < b.rotation;
-    return identity(scene_, scene_.cells[a.cell]) < identity(scene_, scene_.cells[b.cell]);
-  }
-  // By so much that their order changes.
-  bool clearlyBetter(const Candidate& a, const Candidate& b) const {
-    if (a.extrapolation != b.extrapolation) return a.extrapolation + kKeepDistance * a.size < b.extrapolation;
-    return a.rotation + kKeepAngle < b.rotation;
-  }
-  bool isMain(const Candidate& c) const { return std::int64_t(c.cell) == state_.mainCell; }
-  bool precedes(const Candidate& a, const Candidate& b) const {
-    if (mixing_ && isMain(a) != isMain(b)) return isMain(a);  // until the switch to it is over
-    if (a.rank < b.rank && b.rank != kNew) return !clearlyBetter(b, a);
-    if (b.rank < a.rank && a.rank != kNew) return clearlyBetter(a, b);
-    if (a.rank == kNew && b.rank == kNew) return better(a, b);
-    return a.rank == kNew ? clearlyBetter(a, b) : !clearlyBetter(b, a);
-  }
-
-  std::vector<Candidate> candidates(std::vector<PlannedCell>& cells) {
+  // `cells`: where what is planned of the candidates goes.
+  std::vector<CellCandidate> candidates(std::vector<PlannedCell>& cells) {
     std::map<std::uint32_t, std::int64_t> rank;
     for (const ShownMesh& shown : state_.cells)
       if (!shown.leaving) rank.emplace(shown.mesh, std::int64_t(rank.size()));
-    std::vector<Candidate> result;
+    std::vector<CellCandidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
       const double size = bounds_.cells[c].size;
       const CellDistance distance = cellDistance(scene_, scene_.cells[c], size, middle_);
@@ -247,8 +205,9 @@ class Planner {
         continue;
       }
       const auto before = rank.find(c);
-      result.push_back({c, std::uint32_t(cells.size()), distance.extrapolation, distance.rotation, size, !inView,
-                        before == rank.end() ? kNew : before->second});
+      result.push_back({c, distance.extrapolation, distance.rotation, size, !inView,
+                        mixing_ && std::int64_t(c) == state_.mainCell,
+                        before == rank.end() ? kNotShown : before->second, cells.size()});
       cells.push_back(cell);
     }
     return result;
@@ -256,33 +215,15 @@ class Planner {
 
   // Best first; some of them may turn out to be out of view.
   std::vector<PlannedCell> chooseCells() {
-    std::vector<PlannedCell> cells;
-    std::vector<Candidate> all = candidates(cells);
-    // Who is drawn: those before have a bonus, which keeps this a strict order. In which order: by insertion into that
-    // of the frame before, since margins between pairs make no strict order.
-    const auto favoured = [&](Candidate c) {
-      if (c.rank == kNew) return c;
-      c.extrapolation = std::max(0.0, c.extrapolation - kKeepDistance * c.size);
-      c.rotation -= kKeepAngle;
-      return c;
-    };
-    std::ranges::sort(all, [&](const Candidate& a, const Candidate& b) {
-      if (a.nearlyInView != b.nearlyInView) return b.nearlyInView;
-      if (mixing_ && isMain(a) != isMain(b)) return isMain(a);
-      return better(favoured(a), favoured(b));
-    });
-    const std::size_t kept = std::min<std::size_t>({all.size(), settings_.maxCells, kLargestCellCount});
-    for (std::size_t i = kept; i < all.size(); ++i) {
-      ++(all[i].nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
-      if (!all[i].nearlyInView) plan_.next.hiddenCells.push_back(all[i].cell);
+    std::vector<PlannedCell> cells, ordered;
+    const CellChoice choice =
+        ibr::chooseCells(scene_, candidates(cells), std::min<std::size_t>(settings_.maxCells, kLargestCellCount));
+    for (const CellCandidate& left : choice.left) {
+      ++(left.nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
+      if (!left.nearlyInView) plan_.next.hiddenCells.push_back(left.cell);
     }
     std::ranges::sort(plan_.next.hiddenCells);
-    all.resize(kept);
-    std::ranges::stable_sort(all, {}, &Candidate::rank);
-    for (std::size_t i = 1; i < all.size(); ++i)
-      for (std::size_t j = i; j > 0 && precedes(all[j], all[j - 1]); --j) std::swap(all[j], all[j - 1]);
-    std::vector<PlannedCell> ordered;
-    for (const Candidate& candidate : all) ordered.push_back(cells[candidate.planned]);
+    for (const CellCandidate& drawn : choice.drawn) ordered.push_back(cells[drawn.index]);
     return ordered;
   }
 
@@ -396,7 +337,7 @@ class Planner {
     std::sort(candidates.begin(), candidates.end(), [&](const BackdropCandidate& a, const BackdropCandidate& b) {
       if (a.distance != b.distance) return a.distance < b.distance;
       if (a.angle != b.angle) return a.angle < b.angle;
-      return identity(scene_, scene_.backdrops[a.backdrop]) < identity(scene_, scene_.backdrops[b.backdrop]);
+      return memberPoses(scene_, scene_.backdrops[a.backdrop]) < memberPoses(scene_, scene_.backdrops[b.backdrop]);
     });
     chosen.meshes = ibr::chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops());
     return chosen;
