@@ -96,6 +96,10 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       ->type_name("DIR");
   addChoice<bool>(app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
                   "Mask what one photograph alone shows where two others agree on something else: people, cars [keep]");
+  addChoice<bool>(app, "--match-exposure", choices.build.matchExposures, {{"on", true}, {"off", false}},
+                  "Measure how photographs were exposed and white-balanced, for what render's --exposure shows [on]");
+  addChoice<bool>(app, "--vignetting", choices.build.fitVignetting, {{"fit", true}, {"off", false}},
+                  "fit: measure what lenses take from corners, and store photographs without it [off]");
   app.add_option("--exclude", choices.build.exclude, "Photographs to leave out, by their names in the model")
       ->type_name("NAME...");
   app.add_option("--exclude-from", choices.excludeFrom, "The same, from a file with a name a line")->type_name("FILE");

@@ -91,6 +91,8 @@ SceneRenderer::Picture Evaluator::baseline(std::size_t which, const Camera& view
     settings.order = DrawOrder::paper;
     return render(view, settings);
   }
+  const FramePlan plan = planFrame(scene_, bounds_, {{view}, options_.settings});
+  baselines_->expose(options_.settings.exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
   const auto begin = std::chrono::steady_clock::now();
   SceneRenderer::Picture picture;
   if (name == "nearest") {
@@ -98,7 +100,6 @@ SceneRenderer::Picture Evaluator::baseline(std::size_t which, const Camera& view
   } else if (name == "lumigraph") {
     picture.image = baselines_->lumigraph(view);
   } else {
-    const FramePlan plan = planFrame(scene_, bounds_, {{view}, options_.settings});
     if (plan.cells.empty()) {
       picture.image = Image8(view.intrinsics.width, view.intrinsics.height, 4, 0);
     } else {

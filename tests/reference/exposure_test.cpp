@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <glm/exponential.hpp>
 
 #include "image/srgb.h"
 #include "reference/compare.h"
@@ -107,4 +108,32 @@ TEST_CASE("photographs of several exposures, with their gains, show what photogr
   const Image8 right = stageOfOne.render(view, off);
   CHECK(meanDifference(stageOfSeveral.render(view, scene), right) < 0.6);  // of levels that were rounded twice
   CHECK(meanDifference(stageOfSeveral.render(view, off), right) > 2);
+}
+
+TEST_CASE("at a photograph's pose the scene's exposure is the mean one of its photographs: nothing is tinted") {
+  // As photographs were taken, and what a solver says of them: inverse to that, of mean log 0.
+  const glm::dvec3 taken[]{{0.4, 0.3, 0.5}, {0.2, 0.35, 0.3}, {0.3, 0.2, 0.25}};
+  glm::dvec3 mean(0.0);
+  for (const glm::dvec3& e : taken) mean += glm::log(e) / 3.0;
+  SyntheticScene several = makeScene(place(3)), one = several;
+  for (std::size_t n = 0; n < 3; ++n) {
+    develop(several.photographs[n], taken[n]);
+    develop(one.photographs[n], glm::exp(mean));
+    several.scene.nodes[n].gain = glm::exp(mean) / taken[n];
+  }
+  RenderSettings settings = withTiers();
+  settings.exposure = Exposure::scene;
+  const Stage shown(testDevice(), several), right(testDevice(), one);
+  const auto colourOf = [](const Image8& picture) {
+    glm::dvec3 light(0.0);
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x)
+        for (int c = 0; c < 3; ++c) light[c] += srgbToLinear(picture.pixel(x, y)[std::size_t(c)] / 255.0);
+    return light;
+  };
+  for (std::size_t n = 0; n < 3; ++n) {
+    const Camera& pose = shown.scene().nodes[n].camera;
+    const glm::dvec3 cast = colourOf(shown.render(pose, settings)) / colourOf(right.render(pose, settings));
+    for (int c = 0; c < 3; ++c) CHECK(cast[c] == Approx(1).epsilon(0.006));
+  }
 }

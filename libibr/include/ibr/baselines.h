@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "ibr/camera.h"
@@ -29,6 +30,10 @@ class Baselines {
   explicit Baselines(const Scene& scene, const BaselineOptions& options = {});
   Baselines(Baselines&&) noexcept;
   ~Baselines();
+
+  /// From here on photographs are shown with their gains times `exposure`, of linear light (FramePlan::exposure), as a
+  /// renderer shows them; nullopt, as before the first call: as they are.
+  void expose(const std::optional<glm::dvec3>& exposure);
 
   /// The photograph taken nearest to the view (distance over the median distance of what it shows, plus the angle
   /// between the axes), by the homography of a plane across the view at the median depth of its matches; at infinity

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <list>
 #include <map>
@@ -20,6 +21,7 @@
 #include "author/scene_depth.h"
 #include "base/check.h"
 #include "io/image_file.h"
+#include "shared/cell.h"
 
 namespace ibr {
 namespace {
@@ -28,6 +30,20 @@ constexpr int kProxySide = 1024;          // px, longest side of a view's proxy
 constexpr std::size_t kProxyMaps = 8;     // photographs whose depth it is made from
 constexpr std::size_t kPhotographs = 24;  // that are looked at for a view
 constexpr std::size_t kVotes = 6;         // photographs that a place in the view votes for
+
+// As a renderer shows a photograph with this gain.
+Image8 exposed(Image8 picture, glm::dvec3 gain) {
+  const shader::vec3 gains(gain), slopes(glm::pow(gain, glm::dvec3(1 / 2.4)));
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const auto pixel = picture.pixel(x, y);
+      const shader::vec3 shown =
+          255.0f * shader::exposedColour(shader::vec3(pixel[0], pixel[1], pixel[2]) / 255.0f, gains, slopes);
+      for (int c = 0; c < 3; ++c)
+        pixel[std::size_t(c)] = std::uint8_t(std::lround(std::clamp(shown[c], 0.0f, 255.0f)));
+    }
+  return picture;
+}
 
 Camera scaledCamera(Camera camera, glm::ivec2 size) {
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
@@ -79,6 +95,12 @@ struct Baselines::State {
     for (const Cell& cell : scene.cells)
       inverse.insert(inverse.end(), cell.mesh.inverseDistance.begin(), cell.mesh.inverseDistance.end());
     typicalInverseDistance = inverse.empty() ? 0 : median(inverse);
+  }
+
+  // As it is shown.
+  Image8 shown(std::uint32_t node) {
+    const Image8& picture = photographs.picture(node);
+    return exposure ? exposed(picture, *exposure * scene.nodes[node].gain) : picture;
   }
 
   // What cells matched, and with `complete` the rest as backdrops have it.
@@ -150,7 +172,7 @@ struct Baselines::State {
     ImageF sum(width, height, 4);  // colours and weight
     for (const auto& [node, weight] : weights) {
       if (!(weight > 0)) continue;
-      const Image8& picture = photographs.picture(node);
+      const Image8 picture = shown(node);
       const Reprojection towards(view, scene.nodes[node].camera);
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
@@ -215,7 +237,7 @@ struct Baselines::State {
     LumigraphPicture picture(
         view, proxyDepth(small, std::span(maps).first(std::min(maps.size(), kProxyMaps)), threads), {.threads = threads});
     for (std::size_t i = 0; i < chosen.size(); ++i)
-      picture.add(scene.nodes[chosen[i]].camera, photographs.picture(chosen[i]), *maps[i]);
+      picture.add(scene.nodes[chosen[i]].camera, shown(chosen[i]), *maps[i]);
     return picture.picture();
   }
 
@@ -223,6 +245,7 @@ struct Baselines::State {
   int threads;
   double typicalInverseDistance = 0;
   PhotographCache photographs;
+  std::optional<glm::dvec3> exposure;
   std::map<std::uint32_t, DepthMap> matchedMaps, completedMaps;
 };
 
@@ -230,6 +253,10 @@ Baselines::Baselines(const Scene& scene, const BaselineOptions& options)
     : state_(std::make_unique<State>(scene, options)) {}
 Baselines::Baselines(Baselines&&) noexcept = default;
 Baselines::~Baselines() = default;
+
+void Baselines::expose(const std::optional<glm::dvec3>& exposure) {
+  state_->exposure = exposure;
+}
 
 Image8 Baselines::nearest(const Camera& view) {
   const std::uint32_t node = state_->nearestTo(view);

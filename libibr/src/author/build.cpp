@@ -25,6 +25,7 @@
 #include "author/posed_model.h"
 #include "author/read_poses.h"
 #include "author/refine_poses.h"
+#include "author/vignetting.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
@@ -194,11 +195,13 @@ class Builder {
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}"}})",
+        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
+        R"("matchExposures":{},"vignetting":{}}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
         input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
         options_.keepBorder, methodName(options_.matcher),
-        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous");
+        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous",
+        options_.matchExposures, options_.fitVignetting);
   }
 
   void planCells() {
@@ -276,9 +279,32 @@ class Builder {
   }
 
   void takeExposures() {
-    const Exposures exposures = measureExposures(input_.photographs, input_.model, scene_, jobs_);
+    if (!options_.matchExposures && !options_.fitVignetting) return;
+    std::vector<ExposureMatch> matches = exposureMatches(input_.photographs, input_.model, scene_, jobs_);
+    if (options_.fitVignetting) takeVignetting(matches);
+    if (!options_.matchExposures) return;
+    std::vector<CaptureFacts> exif;
+    for (const Photograph& photo : input_.photographs) exif.push_back(photo.capture);
+    jobs_.step("solving exposures", 0, 1);
+    const Exposures exposures = solveExposures(input_.photographs.size(), matches, exif);
     for (std::size_t n = 0; n < exposures.gains.size(); ++n) scene_.nodes[n].gain = exposures.gains[n];
     if (log_) log_(LogLevel::info, describedExposures(exposures));
+  }
+
+  // From the photographs that are stored, and from `matches`.
+  void takeVignetting(std::vector<ExposureMatch>& matches) {
+    const std::vector<std::uint32_t> lenses = lensesOf(input_.photographs);
+    const std::vector<glm::dvec2> vignetting = solveVignetting(input_.photographs.size(), matches, lenses);
+    double bytes = 0;
+    for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
+    jobs_.runAll("removing vignetting", vignetting.size(), bytes, [&](std::size_t n) {
+      if (isNegligible(vignetting[n])) return;
+      Photograph& photo = input_.photographs[n];
+      storeInstead(photo, unvignetted(loadPhotograph(photo), photo.camera.intrinsics, vignetting[n]), options_.output,
+                   options_.texture);
+    });
+    matches = withoutVignetting(std::move(matches), vignetting);
+    if (log_) log_(LogLevel::info, describedVignetting(vignetting, lenses));
   }
 
   void listUnused() {

@@ -12,6 +12,7 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
+constexpr double kExposurePair = 0.004, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
@@ -45,6 +46,12 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     longest = std::max(longest, cellSeconds(cell));
   }
   add("matching cells", cells, threads.cells, longest);
+  if (work.exposures) {
+    double pairs = 0;
+    for (const CellWork& cell : work.cells) pairs += double(cell.members * (cell.members - 1)) / 2;
+    add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
+        kSolvingShare * kExposurePair * pairs);
+  }
   const double backdrops = double(work.backdrops) > 0
                                ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels)
                                : 0;

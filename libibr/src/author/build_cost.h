@@ -33,6 +33,7 @@ struct BuildWork {
   double featurePixels = 0;   // in which features are looked for
   std::size_t pairs = 0;      // whose features are matched
   std::vector<CellWork> cells;
+  bool exposures = false;     // are compared
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
 };

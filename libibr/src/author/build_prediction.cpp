@@ -59,6 +59,7 @@ class Predictor {
     countPhotographs();
     countTracks();
     countCells();
+    work_.exposures = options_.matchExposures || options_.fitVignetting;
     work_.photographs = made_.photographs = input_.photographs.size();
     made_.memoryAllowed = memoryBudget(options_.memory);
     made_.diskFree = freeBelow(options_.output);

@@ -18,12 +18,13 @@
 #include <utility>
 
 #include "author/posed_model.h"
+#include "author/vignetting.h"
 
 namespace ibr {
 namespace {
 
 constexpr int kAbsoluteRounds = 30, kTukeyRounds = 30;
-constexpr double kSettled = 1e-8;          // no log changes more: no further round
+constexpr double kSettled = 1e-7;          // no log changes more: no further round
 constexpr double kTukey = 4.685;           // standard deviations beyond which nothing counts
 constexpr double kLeastDeviation = 0.005;  // of residuals, in units of what matches say of themselves
 constexpr double kExifDeviation = 0.2;     // of log exposure: thirds of a stop, and shutters' tolerance

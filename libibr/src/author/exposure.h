@@ -30,7 +30,7 @@ struct ExposureMatch {
   std::uint32_t first = 0, second = 0;       // photographs, different
   glm::dvec3 ratio{0};                       // log of the linear light of the first over that of the second: R, G, B
   double deviation = 1;                      // one standard deviation of it, > 0
-  double firstRadius = 0, secondRadius = 0;  // from the principal point, in half diagonals of the picture
+  double firstRadius = 0, secondRadius = 0;  // vignettingRadius
 };
 
 /// What the cells' vertices of tier 0 say, at most 1000 a cell; what overlaps say of photographs that no cell joins
@@ -55,23 +55,13 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
 /// How far apart they are, for people.
 std::string describedExposures(const Exposures& exposures);
 
-/// Lenses shade a picture's corners: to the share exp(k.x·r² + k.y·r⁴) of the light, r from the principal point in half
-/// diagonals (even powers: the shade is smooth in its middle).
-inline double logVignetting(glm::dvec2 k, double radius) {
-  const double square = radius * radius;
-  return square * (k.x + square * k.y);
-}
-
-/// k of each photograph, from the same matches. `lenses`: of each photograph its lens's number, from 0.
+/// Coefficients of each photograph (author/vignetting.h), from the same matches; matches are of all colours alike.
+/// `lenses`: of each photograph its lens's number, from 0.
 std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                                         const std::vector<std::uint32_t>& lenses);
 
 /// As photographs without it would have matched.
 std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
                                              const std::vector<glm::dvec2>& vignetting);
-
-/// Matches and gains.
-Exposures measureExposures(const std::vector<Photograph>& photographs, const PosedModel& model, const Scene& scene,
-                           const BuildJobs& jobs);
 
 }  // namespace ibr

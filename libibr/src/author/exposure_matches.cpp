@@ -12,6 +12,7 @@
 #include "author/exposure.h"
 #include "author/exposure_overlap.h"
 #include "author/masks.h"
+#include "author/vignetting.h"
 #include "image/srgb.h"
 
 namespace ibr {
@@ -76,12 +77,6 @@ std::optional<glm::dvec3> lightAt(const Image8& picture, glm::vec2 at) {
   return light;
 }
 
-// Of a panorama 0: it was stitched, and has no lens of its own.
-double radiusAt(const Intrinsics& k, glm::vec2 at) {
-  if (k.model != CameraModel::pinhole) return 0;
-  return 2 * glm::distance(glm::dvec2(at), glm::dvec2(k.cx, k.cy)) / std::hypot(k.width, k.height);
-}
-
 Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample) {
   const int radius = radiusIn(picture);
   glm::dvec3 sum(0), squares(0);
@@ -140,7 +135,8 @@ class Samples {
       const Image8 picture = loadPhotograph(photographs[n]), mask = storedMask(photographs[n]);
       for (const Sample& sample : of_[n]) {
         colours[sample.colour] = colourAt(picture, mask, sample);
-        colours[sample.colour].radius = float(radiusAt(photographs[n].camera.intrinsics, sample.at));
+        colours[sample.colour].radius =
+            float(vignettingRadius(photographs[n].camera.intrinsics, glm::dvec2(sample.at)));
       }
     });
     return colours;
@@ -290,13 +286,6 @@ std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photog
                        a.radius, b.radius});
   }
   return matches;
-}
-
-Exposures measureExposures(const std::vector<Photograph>& photographs, const PosedModel& model, const Scene& scene,
-                           const BuildJobs& jobs) {
-  std::vector<CaptureFacts> exif;
-  for (const Photograph& photograph : photographs) exif.push_back(photograph.capture);
-  return solveExposures(photographs.size(), exposureMatches(photographs, model, scene, jobs), exif);
 }
 
 }  // namespace ibr

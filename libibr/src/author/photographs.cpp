@@ -173,6 +173,16 @@ std::uint64_t storePhotograph(Photograph& photo, const fs::path& scene, TextureF
   return withHashOf(mask, hashOf(photo, source, picture));
 }
 
+void storeInstead(Photograph& photo, const Image8& picture, const fs::path& scene, TextureFormat format) {
+  photo.copied = false;
+  checkNotOverwritten(photo, scene);
+  writeImage(scene / photo.imageFile, picture, kJpegQuality);
+  if (const Image8 mask = storedMask(photo); !mask.empty())
+    storeMask(photo, mask, picture, scene, format);
+  else
+    storeTexture(scene / photo.textureFile, picture, format);
+}
+
 std::uint64_t storeMask(Photograph& photo, const Image8& mask, const Image8& picture, const fs::path& scene,
                         TextureFormat format) {
   photo.storedMask = scene / storedMaskFile(photo.name);

@@ -72,6 +72,11 @@ std::uint64_t hashPhotograph(const Photograph& photograph);
 /// well, which BC1 does not have: it is BC7 then. Returns what hashPhotograph does.
 std::uint64_t storePhotograph(Photograph& photograph, const std::filesystem::path& scene, TextureFormat format);
 
+/// Writes `picture`, of the stored size, and its texture below `scene` in the stored photograph's place; what is masked
+/// stays so. Throws as storePicture does.
+void storeInstead(Photograph& photograph, const Image8& picture, const std::filesystem::path& scene,
+                  TextureFormat format);
+
 /// Masks what is 0 in `mask`, of the stored size, in the scene: writes it and the texture. Returns a hash of it.
 std::uint64_t storeMask(Photograph& photograph, const Image8& mask, const Image8& picture,
                         const std::filesystem::path& scene, TextureFormat format);

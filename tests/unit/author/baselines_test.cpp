@@ -13,6 +13,7 @@
 #include "author/scene_depth.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
+#include "image/srgb.h"
 #include "io/image_file.h"
 #include "scene/synthetic.h"
 #include "support/temporary_folder.h"
@@ -87,6 +88,38 @@ TEST_CASE("at a photograph's own pose every baseline returns it") {
     std::array<double, 3> weights{};
     weights[i] = 1;
     CHECK(largestDifference(baselines.crossFade(view, place.scene().cells[0], weights), place.made.photographs[i]) <= 1);
+  }
+}
+
+TEST_CASE("baselines show photographs with their gains, where they are asked to") {
+  Place place({kWall, kSign});
+  const glm::dvec3 exposure(0.9, 1, 1.1);
+  for (std::size_t i = 0; i < 3; ++i) place.made.scene.nodes[i].gain = {0.7 + 0.2 * double(i), 0.8, 1.1};
+  Baselines baselines(place.scene());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Camera& view = place.scene().nodes[i].camera;
+    const Image8& photograph = place.made.photographs[i];
+    std::array<double, 3> weights{};
+    weights[i] = 1;
+    baselines.expose(exposure);
+    for (const Image8& picture : {baselines.nearest(view), baselines.lumigraph(view),
+                                  baselines.crossFade(view, place.scene().cells[0], weights)}) {
+      std::size_t compared = 0, wrong = 0;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          if (*std::ranges::max_element(photograph.pixel(x, y)) > 225) continue;  // clipped ones stay light
+          ++compared;
+          for (int c = 0; c < 3; ++c) {
+            const double light = exposure[c] * place.scene().nodes[i].gain[c] *
+                                 srgbToLinear(photograph.pixel(x, y)[std::size_t(c)] / 255.0);
+            wrong += std::abs(picture.pixel(x, y)[std::size_t(c)] - 255 * linearToSrgb(light)) > 1.6;
+          }
+        }
+      CHECK(compared > 10000);
+      CHECK(wrong == 0);
+    }
+    baselines.expose(std::nullopt);
+    CHECK(largestDifference(baselines.nearest(view), photograph) <= 1);
   }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/build_prediction.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <string_view>
 
 #include "author/build_cost.h"
 #include "ibr/author.h"
@@ -52,6 +54,35 @@ TEST_CASE("costs grow with the work, and shrink with threads down to the longest
   CHECK(secondsOf(costOf(deep, one, TextureFormat::rgba8, {})) > 1.2 * once);
   CHECK(secondsOf(costOf(full, one, TextureFormat::rgba8, {})) > once);
   CHECK(costOf({}, four, TextureFormat::rgba8, {}).empty());
+}
+
+TEST_CASE("comparing exposures is part of what a build takes, unless it is not asked for") {
+  BuildWork work = someWork(8);
+  const auto compared = [](const std::vector<StageCost>& stages) {
+    return std::ranges::find_if(stages, [](const auto& s) { return std::string_view(s.stage) == "comparing exposures"; });
+  };
+  const std::vector<StageCost> without = costOf(work, {}, TextureFormat::rgba8, {});
+  CHECK(compared(without) == without.end());
+  work.exposures = true;
+  const std::vector<StageCost> with = costOf(work, {}, TextureFormat::rgba8, {});
+  REQUIRE(compared(with) != with.end());
+  CHECK(secondsOf(with) == Approx(secondsOf(without) + compared(with)->seconds));
+  const std::vector<StageCost> side = costOf(work, {64, 64, 64, 64}, TextureFormat::rgba8, {});
+  CHECK(compared(side)->seconds > 0.3 * compared(with)->seconds);  // one thread solves
+  CHECK(compared(side)->seconds < compared(with)->seconds);
+
+  const test::CourtPhotographs set = court(4);
+  BuildOptions options = set.options;
+  for (const bool match : {true, false}) {
+    bool told = false;
+    options.matchExposures = match;
+    options.predicted = [&](const BuildPrediction& p) {
+      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "comparing exposures"; });
+      return false;
+    };
+    build(options);
+    CHECK(told == match);
+  }
 }
 
 TEST_CASE("what a build will take is told before it begins, and a dry run makes nothing") {

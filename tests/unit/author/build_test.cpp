@@ -6,9 +6,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 
 #include "author/cell_cache.h"
 #include "author/parallel.h"
+#include "author/vignetting.h"
 #include "base/file.h"
 #include "base/usage.h"
 #include "ibr/author.h"
@@ -638,23 +640,30 @@ TEST_CASE("posed photographs are those that a build stores") {
   CHECK_THROWS_AS(PosedPhotographs(options), Error);
 }
 
-TEST_CASE("a build finds how its photographs were exposed, though some of their pixels are clipped") {
-  const Set set(2);
-  const glm::dvec3 factors[]{{1.5, 1.3, 1.4}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {2.2, 2, 2.4}};
-  double clipped = 0;
+// The set's photographs anew, as cameras of these exposures would have taken them. How many values were clipped.
+std::size_t develop(const Set& set, std::span<const glm::dvec3> factors, glm::dvec2 vignetting = glm::dvec2(0.0)) {
+  std::size_t clipped = 0;
   for (std::size_t n = 0; n < 4; ++n) {
     Image8 photograph = set.scene.photographs[n];
+    const Intrinsics& k = set.scene.scene.nodes[n].camera.intrinsics;
     for (int y = 0; y < photograph.height; ++y)
       for (int x = 0; x < photograph.width; ++x)
         for (int c = 0; c < 3; ++c) {
           std::uint8_t& level = photograph.pixel(x, y)[std::size_t(c)];
-          const double light = factors[n][c] * srgbToLinear(level / 255.0);
+          const double shade = std::exp(logVignetting(vignetting, vignettingRadius(k, {x + 0.5, y + 0.5})));
+          const double light = shade * factors[n][c] * srgbToLinear(level / 255.0);
           clipped += light > 1;
           level = std::uint8_t(std::lround(255 * linearToSrgb(std::min(light, 1.0))));
         }
     writeImage(set.folder / "photos" / set.model.images[n].name, photograph);
   }
-  CHECK(clipped > 1000);
+  return clipped;
+}
+
+TEST_CASE("a build finds how its photographs were exposed, though some of their pixels are clipped") {
+  const Set set(2);
+  const glm::dvec3 factors[]{{1.5, 1.3, 1.4}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {2.2, 2, 2.4}};
+  CHECK(develop(set, factors) > 1000);
   build(set.options());
   const Scene scene = loadScene(set.folder / "scene");
   for (int c = 0; c < 3; ++c) {
@@ -668,4 +677,53 @@ TEST_CASE("a build finds how its photographs were exposed, though some of their 
     }
     CHECK(std::abs(gauge) < 1e-9);  // neither brighter nor tinted
   }
+}
+
+TEST_CASE("exposures are not measured where nobody wants to know them") {
+  const Set set;
+  const glm::dvec3 factors[]{{1, 1, 1}, {0.6, 0.7, 0.5}, {1, 1.1, 0.9}, {0.8, 0.9, 0.9}};
+  develop(set, factors);
+  BuildOptions options = set.options();
+  options.matchExposures = false;
+  std::set<std::string> stages;
+  build(options, [&](const Progress& progress) { return stages.emplace(progress.stage), true; });
+  for (const Node& node : loadScene(set.folder / "scene").nodes) CHECK(node.gain == glm::dvec3(1.0));
+  CHECK(stages.contains("matching cells"));
+  CHECK(!stages.contains("comparing exposures"));
+}
+
+TEST_CASE("photographs of one exposure have no gains") {
+  const Set set(2);
+  build(set.options());
+  for (const Node& node : loadScene(set.folder / "scene").nodes) CHECK(node.gain == glm::dvec3(1.0));
+}
+
+TEST_CASE("a build stores photographs without what their lens took from the corners, where it is asked to") {
+  const Set set(2);
+  const glm::dvec3 factors[]{{1, 1, 1}, {0.6, 0.7, 0.5}, {0.9, 1, 0.9}, {0.8, 0.9, 0.9}};
+  develop(set, factors, {-0.5, -0.3});  // corners have 45 % of the light
+  BuildOptions options = set.options();
+  const auto meanError = [&](std::size_t n) {
+    const Image8 stored = readImage(options.output / loadScene(options.output).nodes[n].imageFile);
+    double sum = 0;
+    for (int y = 0; y < stored.height; ++y)
+      for (int x = 0; x < stored.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const double light =
+              factors[n][c] * srgbToLinear(set.scene.photographs[n].pixel(x, y)[std::size_t(c)] / 255.0);
+          sum += std::abs(stored.pixel(x, y)[std::size_t(c)] - 255 * linearToSrgb(light));
+        }
+    return sum / double(stored.values.size());
+  };
+  build(options);
+  CHECK(meanError(0) > 10);
+  options.fitVignetting = true;
+  std::string said;
+  const BuildReport report =
+      build(options, {}, [&](LogLevel, std::string_view text) { said += std::string(text) + '\n'; });
+  INFO(said);
+  for (std::size_t n = 0; n < 4; ++n) CHECK(meanError(n) < 2);
+  CHECK_THAT(said, Contains("vignetting: 4 of 4 photographs of one lens: corners had 4"));
+  const Scene scene = loadScene(options.output);
+  CHECK(scene.nodes[0].gain.g / scene.nodes[1].gain.g == Approx(0.7).epsilon(0.01));
 }

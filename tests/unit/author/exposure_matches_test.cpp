@@ -9,6 +9,7 @@
 
 #include "author/exposure.h"
 #include "author/exposure_overlap.h"
+#include "author/vignetting.h"
 #include "image/srgb.h"
 #include "io/image_file.h"
 #include "scene/synthetic.h"
@@ -216,4 +217,42 @@ TEST_CASE("a lens that shades its corners is told from exposures") {
   CHECK(worstError(solveExposures(6, withoutVignetting(matches, found)).gains, exposures) < 0.005);
   taken.take(exposures);  // a lens without it
   CHECK(std::abs(logVignetting(solveVignetting(6, taken.matches(), lenses)[0], 1)) < 0.02);
+}
+
+TEST_CASE("a picture without its lens's shade is what was there") {
+  Taken taken(std::vector<Camera>(2, lookingFrom({0, 0, 0}, turned(0, 0))), {});
+  const glm::dvec2 planted(-0.4, -0.3);
+  taken.take(Gains(2, glm::dvec3(0.9)));
+  const Image8 there = readImage(taken.folder / "0.png");
+  taken.take(Gains(2, glm::dvec3(0.9)), planted);
+  const Image8 shaded = readImage(taken.folder / "0.png");
+  const Intrinsics& k = taken.photographs[0].camera.intrinsics;
+  const Image8 cleared = unvignetted(shaded, k, planted);
+  std::size_t wrong = 0, differed = 0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        differed += std::abs(shaded.pixel(x, y)[c] - there.pixel(x, y)[c]) > 20;
+        wrong += std::abs(cleared.pixel(x, y)[c] - there.pixel(x, y)[c]) > 2;
+      }
+  CHECK(differed > 10000);
+  CHECK(double(wrong) < 0.001 * 3 * kSide * kSide);
+  CHECK(unvignetted(shaded, k, {0, 0}) == shaded);
+  CHECK(!isNegligible(planted));
+  CHECK(isNegligible({0.02, -0.02}));  // nowhere more than half a percent
+  CHECK(!isNegligible({0.1, -0.1}));   // nothing at the corners, much on the way there
+  const Intrinsics panorama{CameraModel::equirectangular, 64, 32};
+  CHECK(vignettingRadius(panorama, {64, 32}) == 0);
+  CHECK(vignettingRadius(k, {0, 0}) == Approx(1));
+}
+
+TEST_CASE("photographs of one camera, aperture and zoom share a lens") {
+  Taken taken(faces({0, 0, 0}), {});
+  taken.take(kExposures);
+  CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>(6, 0));
+  taken.photographs[1].capture.fNumber = 2.8;
+  taken.photographs[2].capture.model = "another";
+  taken.photographs[3].whole.fx *= 1.5;
+  taken.photographs[4].whole.fx *= 1.001;  // as estimators say it of each photograph
+  CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>{0, 1, 2, 3, 0, 0});
 }
