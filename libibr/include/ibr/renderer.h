@@ -187,14 +187,15 @@ struct CellBounds {
   std::vector<Member> members;       // as Cell::members
   std::vector<Corner> corners;       // of the outline
   std::vector<glm::uvec2> outline;   // sum of tier 0's directed borders, edges between corners; empty: not to be used
-  std::vector<Anchor> anchors;       // of photographs that other meshes show too, by photograph and place
   float largestInverseDistance = 0;  // of all vertices, ρ
   float farInverseDistance = 0;      // a tenth of the vertices lies farther away …
   float nearInverseDistance = 0;     // … and a tenth nearer than this
   double size = 0;                   // longest edge of the simplex, world units
 };
+class AnchorsOnDemand;  // render/anchors.h
 struct SceneBounds {
   std::vector<CellBounds> cells, backdrops;  // as those of the scene
+  std::shared_ptr<AnchorsOnDemand> anchors;  // made by the first frame that is planned with RenderSettings::alignCells
 };
 SceneBounds sceneBounds(const Scene& scene);
 

@@ -18,10 +18,11 @@ constexpr double kRegularisation = 1e-3;  // κ
 constexpr double kLeastAngle = 1e-6;  // radians: less is nothing, so that exact scenes stay as they are to the last bit
 constexpr std::size_t kLeastPairs = 8;
 
+using Anchors = std::span<const CellBounds::Anchor>;
 using Sights = std::vector<Sight>;
 
 // Where a mesh's anchors are seen from the eye.
-Sights sightsOf(const Scene& scene, const Cell& mesh, const CellBounds& bounds, const Weights& weights, glm::dvec3 eye,
+Sights sightsOf(const Scene& scene, const Cell& mesh, Anchors anchors, const Weights& weights, glm::dvec3 eye,
                 const Correction& correction) {
   std::array<glm::dmat3, 4> toWorld;
   glm::dvec3 shift(0.0);
@@ -32,8 +33,8 @@ Sights sightsOf(const Scene& scene, const Cell& mesh, const CellBounds& bounds, 
   }
   shift = corrected(correction, shift, eye);
   Sights sights;
-  sights.reserve(bounds.anchors.size());
-  for (const CellBounds::Anchor& anchor : bounds.anchors) {
+  sights.reserve(anchors.size());
+  for (const CellBounds::Anchor& anchor : anchors) {
     glm::dvec3 direction = double(anchor.point.inverseDistance) * shift;
     for (std::size_t i = 0; i < mesh.members.size(); ++i) direction += toWorld[i] * glm::dvec3(anchor.point.point[i]);
     const double length = glm::length(direction);
@@ -44,10 +45,10 @@ Sights sightsOf(const Scene& scene, const Cell& mesh, const CellBounds& bounds, 
 
 // Calls `visit` with both anchors' numbers for each place that two meshes show.
 template <class Visit>
-void forCommon(const CellBounds& a, const CellBounds& b, Visit&& visit) {
+void forCommon(Anchors a, Anchors b, Visit&& visit) {
   const auto key = [](const CellBounds::Anchor& anchor) { return std::pair(anchor.photograph, anchor.place); };
-  for (std::size_t i = 0, j = 0; i < a.anchors.size() && j < b.anchors.size();) {
-    const auto left = key(a.anchors[i]), right = key(b.anchors[j]);
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const auto left = key(a[i]), right = key(b[j]);
     if (left == right) visit(i, j);
     i += left <= right;
     j += right <= left;
@@ -70,7 +71,7 @@ class Aligner {
   Aligner(const Scene& scene, std::span<const MeshToAlign> meshes, glm::dvec3 middle)
       : scene_(scene), meshes_(meshes), middle_(middle) {
     for (const MeshToAlign& mesh : meshes)
-      sights_.push_back(sightsOf(scene, *mesh.mesh, *mesh.bounds, mesh.weights, middle, {}));
+      sights_.push_back(sightsOf(scene, *mesh.mesh, mesh.anchors, mesh.weights, middle, {}));
     normaliseNearness();
     findMasses();
     for (std::size_t a = 0; a < meshes.size(); ++a)
@@ -119,8 +120,8 @@ class Aligner {
     double total = 0;
     std::uint32_t last = ~0u;
     double count = 0;
-    const auto& anchors = meshes_[a].bounds->anchors;
-    forCommon(*meshes_[a].bounds, *meshes_[b].bounds, [&](std::size_t i, std::size_t j) {
+    const Anchors anchors = meshes_[a].anchors;
+    forCommon(anchors, meshes_[b].anchors, [&](std::size_t i, std::size_t j) {
       if (anchors[i].photograph != last) {
         count = countOf(last = anchors[i].photograph);
         total += count;
@@ -240,21 +241,19 @@ std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds,
     return inside ? pixel : std::nullopt;
   };
   struct Drawn {
-    const Cell* mesh;
-    const CellBounds* bounds;
+    Anchors anchors;
     Sights sights;
   };
   std::vector<Drawn> drawn;
-  const auto add = [&](const Cell& mesh, const CellBounds& of, const Weights& weights, const Correction& correction) {
-    drawn.push_back(
-        {&mesh, &of, sightsOf(scene, mesh, of, weights, camera.pose.position, corrected ? correction : Correction{})});
-  };
-  for (const PlannedCell& cell : plan.cells)
-    add(scene.cells[cell.cell], bounds.cells[cell.cell], cell.view[view].position, cell.correction);
+  for (const PlannedCell& cell : plan.cells) {
+    const Anchors anchors = bounds.anchors->of(scene).cells[cell.cell];
+    drawn.push_back({anchors, sightsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
+                                       camera.pose.position, corrected ? cell.correction : Correction{})});
+  }
   std::vector<double> apart;
   for (std::size_t a = 0; a < drawn.size(); ++a)
     for (std::size_t b = a + 1; b < drawn.size(); ++b)
-      forCommon(*drawn[a].bounds, *drawn[b].bounds, [&](std::size_t i, std::size_t j) {
+      forCommon(drawn[a].anchors, drawn[b].anchors, [&](std::size_t i, std::size_t j) {
         const auto here = pixelOf(drawn[a].sights[i]), there = pixelOf(drawn[b].sights[j]);
         if (here && there) apart.push_back(glm::distance(*here, *there));
       });

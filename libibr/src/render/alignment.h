@@ -22,7 +22,7 @@ inline constexpr double kLargestCorrection = 0.035;  // radians, about 2°
 
 struct MeshToAlign {
   const Cell* mesh;
-  const CellBounds* bounds;
+  std::span<const CellBounds::Anchor> anchors;
   Weights weights;  // of position, as it is drawn for `middle`
   double distance;  // from the middle of the views, world units, >= 0: its mass falls with it
 };

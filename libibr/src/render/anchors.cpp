@@ -113,4 +113,13 @@ std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& mesh,
   return anchors;
 }
 
+const AnchorsOnDemand::OfMeshes& AnchorsOnDemand::of(const Scene& scene) {
+  std::call_once(once_, [&] {
+    const std::vector<std::uint32_t> meshesOfNode = meshesOfNodes(scene);
+    for (const Cell& cell : scene.cells) all_.cells.push_back(anchorsOf(scene, cell, meshesOfNode));
+    for (const Cell& backdrop : scene.backdrops) all_.backdrops.push_back(anchorsOf(scene, backdrop, meshesOfNode));
+  });
+  return all_;
+}
+
 }  // namespace ibr

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -20,5 +21,20 @@ std::vector<std::uint32_t> meshesOfNodes(const Scene& scene);
 /// photograph's ray. Sorted by photograph, then place, each once. Time goes with the number of triangles.
 std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& mesh,
                                           std::span<const std::uint32_t> meshesOfNode);
+
+/// Those of all meshes, looked up when they are first asked for: scenes that are not aligned do not pay for them. By any
+/// thread.
+class AnchorsOnDemand {
+ public:
+  struct OfMeshes {
+    std::vector<std::vector<CellBounds::Anchor>> cells, backdrops;  // as those of the scene
+  };
+  /// Always of the same scene.
+  const OfMeshes& of(const Scene& scene);
+
+ private:
+  std::once_flag once_;
+  OfMeshes all_;
+};
 
 }  // namespace ibr

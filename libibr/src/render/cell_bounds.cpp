@@ -93,15 +93,9 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
 
 SceneBounds sceneBounds(const Scene& scene) {
   SceneBounds bounds;
-  const std::vector<std::uint32_t> meshesOfNode = meshesOfNodes(scene);
-  const auto add = [&](const std::vector<Cell>& meshes, std::vector<CellBounds>& to) {
-    for (const Cell& mesh : meshes) {
-      to.push_back(boundsOf(scene, mesh));
-      to.back().anchors = anchorsOf(scene, mesh, meshesOfNode);
-    }
-  };
-  add(scene.cells, bounds.cells);
-  add(scene.backdrops, bounds.backdrops);
+  for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
+  for (const Cell& backdrop : scene.backdrops) bounds.backdrops.push_back(boundsOf(scene, backdrop));
+  bounds.anchors = std::make_shared<AnchorsOnDemand>();
   return bounds;
 }
 

@@ -16,6 +16,7 @@
 #include "base/check.h"
 #include "ibr/renderer.h"
 #include "render/alignment.h"
+#include "render/anchors.h"
 #include "render/backdrop_choice.h"
 #include "render/cell_choice.h"
 #include "render/cell_order.h"
@@ -195,7 +196,8 @@ class Planner {
       }
       PlannedCell cell = planned(c, distance);
       const bool inView = visible(cell);
-      if (!inView && !(aligned() && !bounds_.cells[c].anchors.empty() && visible(cell, kLargestCorrection))) {
+      const auto moved = [&] { return aligned() && !bounds_.anchors->of(scene_).cells[c].empty(); };
+      if (!inView && !(moved() && visible(cell, kLargestCorrection))) {
         ++plan_.culledByFrustum;
         continue;
       }
@@ -297,8 +299,11 @@ class Planner {
     addShown(state_.former, scene_.cells.size(), cellsToAlign);
     addShown(state_.backdrops, scene_.backdrops.size(), backdropsToAlign);
     std::vector<MeshToAlign> meshes;
-    for (const std::uint32_t c : cellsToAlign) meshes.push_back(toAlign(scene_.cells[c], bounds_.cells[c]));
-    for (const std::uint32_t b : backdropsToAlign) meshes.push_back(toAlign(scene_.backdrops[b], bounds_.backdrops[b]));
+    const AnchorsOnDemand::OfMeshes& anchors = bounds_.anchors->of(scene_);
+    for (const std::uint32_t c : cellsToAlign)
+      meshes.push_back(toAlign(scene_.cells[c], bounds_.cells[c].size, anchors.cells[c]));
+    for (const std::uint32_t b : backdropsToAlign)
+      meshes.push_back(toAlign(scene_.backdrops[b], bounds_.backdrops[b].size, anchors.backdrops[b]));
     const std::vector<Correction> found = alignMeshes(scene_, meshes, middle_.position);
     for (std::size_t i = 0; i < cellsToAlign.size(); ++i) corrections_[cellsToAlign[i]] = found[i];
     for (std::size_t i = 0; i < backdropsToAlign.size(); ++i)
@@ -306,10 +311,10 @@ class Planner {
     for (PlannedCell& cell : cells) cell.correction = corrections_[cell.cell];
   }
 
-  MeshToAlign toAlign(const Cell& mesh, const CellBounds& bounds) const {
-    const CellDistance from = cellDistance(scene_, mesh, bounds.size, middle_);
+  MeshToAlign toAlign(const Cell& mesh, double size, std::span<const CellBounds::Anchor> anchors) const {
+    const CellDistance from = cellDistance(scene_, mesh, size, middle_);
     const double photographs = photographDistance(mesh, smoothstep(from.weights.clamped));
-    return {&mesh, &bounds, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
+    return {&mesh, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
   }
 
   bool backdropVisible(std::uint32_t backdrop) const {

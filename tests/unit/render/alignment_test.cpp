@@ -127,9 +127,11 @@ TEST_CASE("what is not determined stays nothing") {
 TEST_CASE("anchors lie on the photograph's ray, and see what every member sees") {
   const Scene scene = sceneOf(kNeighbours);
   const SceneBounds bounds = sceneBounds(scene);
-  CHECK_FALSE(bounds.cells[0].anchors.empty());
+  const AnchorsOnDemand::OfMeshes& anchors = bounds.anchors->of(scene);
+  CHECK(&anchors == &bounds.anchors->of(scene));  // looked up once
+  CHECK_FALSE(anchors.cells[0].empty());
   for (std::size_t c = 0; c < 2; ++c)
-    for (const CellBounds::Anchor& anchor : bounds.cells[c].anchors) {
+    for (const CellBounds::Anchor& anchor : anchors.cells[c]) {
       CHECK((anchor.photograph == 1 || anchor.photograph == 2));  // the only ones that both show
       const auto& members = scene.cells[c].members;
       const std::size_t member = std::size_t(std::ranges::find(members, anchor.photograph) - members.begin());
@@ -145,9 +147,10 @@ TEST_CASE("anchors lie on the photograph's ray, and see what every member sees")
         CHECK((std::abs(z + 8) < 1e-3 || std::abs(z + 4) < 1e-3));
       }
     }
-  CHECK(std::ranges::is_sorted(bounds.cells[0].anchors, {},
+  CHECK(std::ranges::is_sorted(anchors.cells[0], {},
                                [](const CellBounds::Anchor& a) { return std::pair(a.photograph, a.place); }));
-  for (const CellBounds& alone : sceneBounds(sceneOf({{0, 1, 2}})).cells) CHECK(alone.anchors.empty());
+  const Scene lone = sceneOf({{0, 1, 2}});
+  CHECK(AnchorsOnDemand().of(lone).cells.at(0).empty());
 }
 
 TEST_CASE("cells that differ because a pose is wrong agree again") {
@@ -232,7 +235,7 @@ TEST_CASE("corrections are finite wherever the view is") {
         SceneBounds bounds = sceneBounds(scene);
         std::vector<MeshToAlign> meshes;
         for (std::size_t c = 0; c < 2; ++c)
-          meshes.push_back({&scene.cells[c], &bounds.cells[c], {0.3, 0.3, 0.4}, 0.1 * double(c)});
+          meshes.push_back({&scene.cells[c], bounds.anchors->of(scene).cells[c], {0.3, 0.3, 0.4}, 0.1 * double(c)});
         for (const Correction& correction : alignMeshes(scene, meshes, place)) {
           CHECK(isFinite(correction));
           CHECK(angleOf(correction) <= kLargestCorrection * 1.0001);
