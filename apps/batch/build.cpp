@@ -112,6 +112,8 @@ void printReport(const BuildReport& report, const StageSeconds& stages, const Bu
       masks.row({photograph, fmt::format("{:.2f} %", 100 * given), fmt::format("{:.2f} %", 100 * moved)});
     context.print("{}\n", masks.text());
   }
+  for (const std::string& text : {report.exposures.text, report.exposures.vignetting})
+    if (!text.empty()) context.print("{}\n\n", text);
   for (const auto& [stage, seconds] : stages) context.print("{:>9.1f} s  {}\n", seconds, stage);
   context.print("{:>9.1f} s  in all ({} were predicted), at most {} of memory (of {})\n\n", report.seconds,
                 durationText(report.prediction.seconds), bytesText(report.memory), bytesText(report.prediction.memory));
@@ -126,6 +128,7 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
             {"cells", Json::array()},
             {"backdrops", Json::array()},
             {"masks", Json::array()},
+            {"exposures", nullptr},
             {"dropped", Json::array()},
             {"unused", unusedJson(report.unused)},
             {"stages", Json::array()},
@@ -156,6 +159,9 @@ Json reportJson(const BuildReport& report, const StageSeconds& stages, const Bui
                                  {"resumed", backdrop.resumed}});
   for (const auto& [photograph, given, moved] : report.masks)
     json["masks"].push_back({{"photograph", photograph}, {"given", given}, {"moved", moved}});
+  if (const BuildReport::ExposureSummary& e = report.exposures; !e.text.empty())
+    json["exposures"] = {{"measured", e.measured}, {"parts", e.parts}, {"alike", e.alike}, {"text", e.text}};
+  if (!report.exposures.vignetting.empty()) json["vignetting"] = report.exposures.vignetting;
   for (const auto& [what, reason] : report.dropped) json["dropped"].push_back({{"what", what}, {"reason", reason}});
   for (const auto& [stage, seconds] : stages) json["stages"].push_back({{"stage", stage}, {"seconds", seconds}});
   return json;

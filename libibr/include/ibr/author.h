@@ -208,7 +208,14 @@ struct BuildReport {
     double given = 0;  // share of it that its mask takes away
     double moved = 0;  // and that was found to have moved
   };
+  struct ExposureSummary {
+    std::size_t measured = 0;  // photographs that show places of others, with which they were compared
+    std::size_t parts = 0;     // of these, that nothing joins to each other: each is as bright as it is in the mean
+    bool alike = false;        // so nearly that no gain is kept
+    std::string text, vignetting;  // for people; empty where it was not asked for
+  };
   std::filesystem::path poses;  // file or folder that they were read from
+  ExposureSummary exposures;
   std::vector<MaskLine> masks;  // of photographs of which something is masked
   std::vector<CellLine> cells;
   std::vector<BackdropLine> backdrops;

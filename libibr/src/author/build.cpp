@@ -288,7 +288,10 @@ class Builder {
     jobs_.step("solving exposures", 0, 1);
     const Exposures exposures = solveExposures(input_.photographs.size(), matches, exif);
     for (std::size_t n = 0; n < exposures.gains.size(); ++n) scene_.nodes[n].gain = exposures.gains[n];
-    if (log_) log_(LogLevel::info, describedExposures(exposures));
+    report_.exposures.measured = exposures.measured;
+    report_.exposures.parts = exposures.parts;
+    report_.exposures.alike = exposures.alike;
+    report_.exposures.text = describedExposures(exposures);
   }
 
   // From the photographs that are stored, and from `matches`.
@@ -304,7 +307,7 @@ class Builder {
                    options_.texture);
     });
     matches = withoutVignetting(std::move(matches), vignetting);
-    if (log_) log_(LogLevel::info, describedVignetting(vignetting, lenses));
+    report_.exposures.vignetting = describedVignetting(vignetting, lenses);
   }
 
   void listUnused() {

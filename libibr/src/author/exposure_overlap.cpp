@@ -18,7 +18,7 @@ namespace ibr {
 namespace {
 
 constexpr int kDepthSide = 128, kGridSide = 48;  // of a photograph's longest side
-constexpr std::size_t kMostPoints = 400;         // of a pair
+constexpr std::size_t kPairPoints = 400;         // of a pair
 constexpr std::size_t kLeastPoints = 8;
 constexpr std::size_t kPartners = 8, kTried = 32;
 constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
@@ -110,7 +110,7 @@ class Overlaps {
     for (const glm::dvec2 pixel : gridOf(around_[a].camera->intrinsics))
       if (const auto inverse = sharedAt(around_[a], around_[b], pixel))
         all.push_back({a, b, worldRay(*around_[a].camera, pixel), *inverse});
-    const std::size_t count = std::min(all.size(), kMostPoints);
+    const std::size_t count = std::min(all.size(), kPairPoints);
     for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
     return points;
   }

@@ -686,7 +686,9 @@ TEST_CASE("exposures are not measured where nobody wants to know them") {
   BuildOptions options = set.options();
   options.matchExposures = false;
   std::set<std::string> stages;
-  build(options, [&](const Progress& progress) { return stages.emplace(progress.stage), true; });
+  const BuildReport report =
+      build(options, [&](const Progress& progress) { return stages.emplace(progress.stage), true; });
+  CHECK(report.exposures.text.empty());
   for (const Node& node : loadScene(set.folder / "scene").nodes) CHECK(node.gain == glm::dvec3(1.0));
   CHECK(stages.contains("matching cells"));
   CHECK(!stages.contains("comparing exposures"));
@@ -694,7 +696,9 @@ TEST_CASE("exposures are not measured where nobody wants to know them") {
 
 TEST_CASE("photographs of one exposure have no gains") {
   const Set set(2);
-  build(set.options());
+  const BuildReport::ExposureSummary exposures = build(set.options()).exposures;
+  CHECK((exposures.alike && exposures.measured == 4 && exposures.parts == 1));
+  CHECK_THAT(exposures.text, Contains("alike"));
   for (const Node& node : loadScene(set.folder / "scene").nodes) CHECK(node.gain == glm::dvec3(1.0));
 }
 
@@ -718,12 +722,9 @@ TEST_CASE("a build stores photographs without what their lens took from the corn
   build(options);
   CHECK(meanError(0) > 10);
   options.fitVignetting = true;
-  std::string said;
-  const BuildReport report =
-      build(options, {}, [&](LogLevel, std::string_view text) { said += std::string(text) + '\n'; });
-  INFO(said);
+  const BuildReport::ExposureSummary exposures = build(options).exposures;
   for (std::size_t n = 0; n < 4; ++n) CHECK(meanError(n) < 2);
-  CHECK_THAT(said, Contains("vignetting: 4 of 4 photographs of one lens: corners had 4"));
+  CHECK_THAT(exposures.vignetting, Contains("vignetting: 4 of 4 photographs of one lens: corners had 4"));
   const Scene scene = loadScene(options.output);
   CHECK(scene.nodes[0].gain.g / scene.nodes[1].gain.g == Approx(0.7).epsilon(0.01));
 }
