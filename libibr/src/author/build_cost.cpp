@@ -12,7 +12,7 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
-constexpr double kExposurePair = 0.004, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
+constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
@@ -47,8 +47,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   }
   add("matching cells", cells, threads.cells, longest);
   if (work.exposures) {
-    double pairs = 0;
-    for (const CellWork& cell : work.cells) pairs += double(cell.members * (cell.members - 1)) / 2;
+    const double pairs = memberPairs(work);
     add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
         kSolvingShare * kExposurePair * pairs);
   }
@@ -65,6 +64,17 @@ double bytesToMake(const CellWork& cell) {
   constexpr double kInFull = 8;  // a pixel beyond the matched ones: RGB once, grey of four
   const double pixel = cell.swept ? kFrame + kOfMember * double(cell.members) + kOfLevel * cell.levels : kOther;
   return cell.loadingBytes + pixel * cell.pixels + kInFull * cell.beyondPixels;
+}
+
+double memberPairs(const BuildWork& work) {
+  double pairs = 0;
+  for (const CellWork& cell : work.cells) pairs += double(cell.members * (cell.members - 1)) / 2;
+  return pairs;
+}
+
+double bytesToCompareExposures(const BuildWork& work) {
+  constexpr double kBytesPerPair = 1e5;  // of its points: where they are looked at, what is seen, what is solved
+  return work.exposures ? kBytesPerPair * memberPairs(work) : 0;
 }
 
 double bytesKept(const CellWork& cell) {

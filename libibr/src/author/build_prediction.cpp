@@ -79,6 +79,7 @@ class Predictor {
       if (!photo.copied) work_.encodedPixels += pixelsOf(k);
       made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
       storing_ = std::max(storing_, bytesToStore(photo));
+      loading_ = std::max(loading_, bytesToLoad(photo));
       if (!options_.backdrops || isPanorama(photo)) continue;
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
@@ -141,6 +142,7 @@ class Predictor {
     side.storing = threads(storing_, 0, photographs);
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
+    if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
     if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
     made_.threads = side.cells;
     made_.memory = most;
@@ -157,8 +159,8 @@ class Predictor {
   const CellPlan* const plan_;
   const CellMaker maker_;
   BuildWork work_;
-  double storing_ = 0, features_ = 0, matching_ = 0, completing_ = 0;  // bytes of memory of one job, at most
-  double kept_ = 0;                                                    // bytes of all meshes
+  double storing_ = 0, loading_ = 0, features_ = 0, matching_ = 0, completing_ = 0;  // bytes of one job, at most
+  double kept_ = 0;                                                                  // bytes of all meshes
   BuildPrediction made_;
 };
 

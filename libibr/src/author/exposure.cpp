@@ -35,15 +35,15 @@ constexpr double kAlike = 0.01;            // gains that are all as near to 1 ch
 
 // Σ factor·x[at] = difference, of the first `terms`.
 struct Relation {
-  std::array<std::size_t, 6> at{};
-  std::array<double, 6> factor{};
-  std::size_t terms = 0;
+  std::array<std::uint32_t, 6> at{};
+  std::array<float, 6> factor{};
+  std::uint32_t terms = 0;
   glm::dvec3 difference{0.0};
   double deviation = 1;
 
   void add(std::size_t unknown, double f) {
-    at[terms] = unknown;
-    factor[terms++] = f;
+    at[terms] = std::uint32_t(unknown);
+    factor[terms++] = float(f);
   }
 };
 
@@ -68,7 +68,7 @@ using Logs = std::vector<glm::dvec3>;
 
 double residualOf(const Relation& r, const Logs& x) {
   glm::dvec3 sum = -r.difference;
-  for (std::size_t k = 0; k < r.terms; ++k) sum += r.factor[k] * x[r.at[k]];
+  for (std::size_t k = 0; k < r.terms; ++k) sum += double(r.factor[k]) * x[r.at[k]];
   return glm::length(sum) / (std::sqrt(3.0) * r.deviation);
 }
 
@@ -81,8 +81,9 @@ Logs solved(const std::vector<Relation>& relations, const std::vector<double>& w
     const Relation& r = relations[k];
     total += weights[k];
     for (std::size_t i = 0; i < r.terms; ++i) {
-      const double w = weights[k] * r.factor[i];
-      for (std::size_t j = 0; j < r.terms; ++j) matrix.at<double>(int(r.at[i]), int(r.at[j])) += w * r.factor[j];
+      const double w = weights[k] * double(r.factor[i]);
+      for (std::size_t j = 0; j < r.terms; ++j)
+        matrix.at<double>(int(r.at[i]), int(r.at[j])) += w * double(r.factor[j]);
       for (int c = 0; c < 3; ++c) side.at<double>(int(r.at[i]), c) += w * r.difference[c];
     }
   }
@@ -122,17 +123,17 @@ Logs robustlySolved(const std::vector<Relation>& relations, std::size_t count) {
   return x;
 }
 
-// Pairs of photographs that few points join say too little, and what is not finite nothing.
-std::vector<ExposureMatch> matchesThatCount(const std::vector<ExposureMatch>& matches) {
+// Which matches count: pairs of photographs that few points join say too little, and what is not finite nothing.
+std::vector<std::uint32_t> matchesThatCount(const std::vector<ExposureMatch>& matches) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> count;
   const auto pairOf = [](const ExposureMatch& m) { return std::minmax(m.first, m.second); };
   const auto isUsable = [](const ExposureMatch& m) {
     return std::isfinite(glm::dot(m.ratio, m.ratio)) && std::isfinite(m.deviation) && m.deviation > 0;
   };
   for (const ExposureMatch& m : matches) count[pairOf(m)] += isUsable(m);
-  std::vector<ExposureMatch> counting;
-  for (const ExposureMatch& m : matches)
-    if (isUsable(m) && count[pairOf(m)] >= kEnough) counting.push_back(m);
+  std::vector<std::uint32_t> counting;
+  for (std::uint32_t k = 0; k < matches.size(); ++k)
+    if (isUsable(matches[k]) && count[pairOf(matches[k])] >= kEnough) counting.push_back(k);
   return counting;
 }
 
@@ -189,14 +190,15 @@ std::string describedExposures(const Exposures& exposures) {
 std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                                         const std::vector<std::uint32_t>& lenses) {
   std::vector<glm::dvec2> vignetting(photographs, glm::dvec2(0.0));
-  const std::vector<ExposureMatch> counting = matchesThatCount(matches);
+  const std::vector<std::uint32_t> counting = matchesThatCount(matches);
   if (counting.empty()) return vignetting;
   const auto unknown = [&](std::uint32_t photograph, std::size_t k) {
     return photographs + 2 * lenses[photograph] + k;
   };
   const std::size_t lensCount = std::size_t(*std::ranges::max_element(lenses)) + 1;
   std::vector<Relation> relations;
-  for (const ExposureMatch& m : counting) {
+  for (const std::uint32_t k : counting) {
+    const ExposureMatch& m = matches[k];
     Relation r = relationOf(m);
     const double a = m.firstRadius * m.firstRadius, b = m.secondRadius * m.secondRadius;
     r.add(unknown(m.first, 0), a);
@@ -231,7 +233,8 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
   std::vector<Relation> relations;
   Parts parts(photographs);
   std::vector<bool> known(photographs, false);
-  for (const ExposureMatch& m : matchesThatCount(matches)) {
+  for (const std::uint32_t k : matchesThatCount(matches)) {
+    const ExposureMatch& m = matches[k];
     relations.push_back(relationOf(m));
     parts.join(m.first, m.second);
     known[m.first] = known[m.second] = true;

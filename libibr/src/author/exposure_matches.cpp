@@ -18,7 +18,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMostPoints = 1000;      // of a cell
+constexpr std::size_t kMostPoints = 500;      // of a cell
 constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
 constexpr double kLeastMean = 0.003;           // linear light
 constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression

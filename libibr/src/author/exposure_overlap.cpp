@@ -17,10 +17,10 @@
 namespace ibr {
 namespace {
 
-constexpr int kDepthSide = 128, kGridSide = 48;  // of a photograph's longest side
-constexpr std::size_t kPairPoints = 400;         // of a pair
+constexpr int kDepthSide = 128, kGridSide = 96;  // of a photograph's longest side
+constexpr std::size_t kPairPoints = 1200;        // of a pair
 constexpr std::size_t kLeastPoints = 8;
-constexpr std::size_t kPartners = 8, kTried = 32;
+constexpr std::size_t kPartners = 8, kTried = 16;
 constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
 constexpr double kDepthTolerance = 0.05;  // of the inverse distance, between two photographs
 constexpr double kNearShare = 0.95;       // of what is known lies beyond `nearest`

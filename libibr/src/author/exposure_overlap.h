@@ -25,7 +25,7 @@ struct OverlapPoint {
   double inverseDistance = 0;           // from the first along it, per unit of the world; 0: at infinity
 };
 
-/// At most 400 points for each two photographs that no cell joins, each with its 8 nearest such neighbours, and those
+/// At most 1200 points for each two photographs that no cell joins, each with its 8 nearest such neighbours, and those
 /// with it. `model`: of these photographs, `scene`: its nodes are these, with the cells that there are. Throws
 /// Error{cancelled}.
 std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
