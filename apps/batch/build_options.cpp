@@ -95,7 +95,8 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
                  "neither matched nor shown")
       ->type_name("DIR");
   addChoice<bool>(app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
-                  "Mask what one photograph alone shows where two others agree on something else: people, cars [keep]");
+                  "Mask who moved, people and cars, where another photograph shows the place without them; who hides what "
+                  "none shows is seen as one photograph has him [keep]");
   addChoice<bool>(app, "--match-exposure", choices.build.matchExposures, {{"on", true}, {"off", false}},
                   "Measure how photographs were exposed and white-balanced, for what render's --exposure shows [on]");
   addChoice<bool>(app, "--vignetting", choices.build.fitVignetting, {{"fit", true}, {"off", false}},

@@ -268,6 +268,46 @@ TEST_CASE("eval: some views, truth beside its model, and wrong truth") {
   CHECK_THAT(wrong.err, Contains("50×40") && Contains("192×144"));
 }
 
+TEST_CASE("eval --masks: what a mask of the truth covers counts in no score") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const test::TinySet& set = test::tinySet();
+  const auto scores = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> line{"eval", test::tinyScene(), "--truth", folder / "truth", "--json", "-"};
+    line.insert(line.end(), more.begin(), more.end());
+    const auto outcome = runValidated(line);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(outcome.out).at("views").at(0);
+  };
+  fs::copy(set.truth, folder / "truth", fs::copy_options::recursive);
+  const auto clean = scores({});
+  Image8 spoilt = readImage(folder / "truth/images/between.png"), mask(spoilt.width, spoilt.height, 1, 255);
+  for (int y = 40; y < 90; ++y)
+    for (int x = 60; x < 110; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) spoilt.pixel(x, y)[c] = std::uint8_t(255 - spoilt.pixel(x, y)[c]);
+      mask.pixel(x, y)[0] = 0;
+    }
+  writeImage(folder / "truth/images/between.png", spoilt);
+  fs::create_directories(folder / "masks");
+  writeImage(folder / "masks/between.png.png", mask);
+  const auto spoiled = scores({}), masked = scores({"--masks", folder / "masks"});
+  for (const char* score : {"psnr", "ssim", "psnrCovered", "ssimCovered"}) {
+    INFO(score);
+    const double before = clean.at(score), without = spoiled.at(score), with = masked.at(score);
+    CHECK(without < 0.95 * before);
+    CHECK(with == Approx(before).epsilon(0.04));
+  }
+  CHECK(double(spoiled.at("flip")) > 1.1 * double(clean.at("flip")));
+  CHECK(double(masked.at("flip")) == Approx(double(clean.at("flip"))).epsilon(0.1));
+
+  writeImage(folder / "masks/between.png.png", Image8(8, 8, 1, 255));
+  const auto wrong = test::runProgram(
+      {"eval", test::tinyScene(), "--truth", folder / "truth", "--masks", folder / "masks"});
+  CHECK(wrong.code == 3);
+  CHECK_THAT(wrong.err, Contains("between.png.png") && Contains("8 × 8") && Contains("192 × 144"));
+}
+
 TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's are counted") {
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;

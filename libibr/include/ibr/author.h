@@ -162,7 +162,7 @@ struct BuildOptions {
   std::filesystem::path masks;  // folder of masks (author/masks.h): what is 0 there is neither matched nor shown
   bool matchExposures = true;   // photographs get gains (Node::gain), measured by what they show of the same places
   bool fitVignetting = false;   // what lenses take from corners is measured as well, and stored photographs are without
-  bool removeMovers = false;    // what one photograph alone shows, and two others agree against, is masked
+  bool removeMovers = false;    // who moved is masked where another photograph shows the place without him
   bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
   int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are

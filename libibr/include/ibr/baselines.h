@@ -26,6 +26,7 @@ struct BaselineOptions {
 class Baselines {
  public:
   /// The scene and its stored photographs must outlive it. Throws Error{unsupported} where a node is no pinhole,
+  /// or has a mask, which none of them heeds,
   /// Error{invalidInput} without nodes.
   explicit Baselines(const Scene& scene, const BaselineOptions& options = {});
   Baselines(Baselines&&) noexcept;

@@ -88,9 +88,12 @@ struct Baselines::State {
         threads(options.threads > 0 ? options.threads : std::max(1, int(std::thread::hardware_concurrency()))),
         photographs(s, options.cacheBytes) {
     check(!scene.nodes.empty(), ErrorCode::invalidInput, "a scene without photographs has no baselines");
-    for (const Node& node : scene.nodes)
+    for (const Node& node : scene.nodes) {
       check(node.camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
             "{}: is a panorama; baselines are made of pinholes alone", node.name);
+      check(node.maskFile.empty(), ErrorCode::unsupported,
+            "{}: has a mask, which baselines do not heed: without --baselines all others are scored", node.name);
+    }
     std::vector<double> inverse;
     for (const Cell& cell : scene.cells)
       inverse.insert(inverse.end(), cell.mesh.inverseDistance.begin(), cell.mesh.inverseDistance.end());

@@ -38,6 +38,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kLeastCoverage = 0.05;
+constexpr double kHardlyUsed = 0.9;  // share of a photograph that a mask ignores by mistake
 
 class Builder {
  public:
@@ -54,12 +55,12 @@ class Builder {
     const std::size_t known = input_.model.tracks.size();
     addOwnTracks(input_, options_, jobs_, log_);
     takeMasksFromTracks();
+    if (options_.removeMovers) maskMovers();
     if (!planner_ || input_.model.tracks.size() != known || !report_.masks.empty()) planCells();
     report_.dropped = plan_.dropped;
     warnOfEmptyPlan();
     describe();
     makeCells();
-    if (options_.removeMovers && maskMovers()) makeCells();  // those whose photographs have new masks
     takeExposures();
     if (options_.backdrops) makeBackdrops();
     listUnused();
@@ -145,8 +146,13 @@ class Builder {
     report_.masks.clear();
     for (std::uint32_t i = 0; i < input_.photographs.size(); ++i) {  // one mask is held at a time
       const Image8 mask = storedMask(input_.photographs[i]);
-      if (const double share = ignoredShare(mask); share > 0)
-        report_.masks.push_back({input_.photographs[i].name, share, 0});
+      const double share = ignoredShare(mask);
+      if (share > 0) report_.masks.push_back({input_.photographs[i].name, share, 0});
+      if (share > kHardlyUsed && log_)
+        log_(LogLevel::warning,
+             fmt::format("{}: its mask leaves {:.0f} % of it. What is 0 is ignored, anything else is used: is it the "
+                         "other way round?",
+                         input_.photographs[i].name, 100 * (1 - share)));
       dropIgnored(input_.model, i, input_.tracksOf[i], mask);
     }
     if (report_.masks.empty()) return;
@@ -154,10 +160,10 @@ class Builder {
     input_.tracksOf = tracksOfImages(input_.model);
   }
 
-  // Whether there are any. One mask is held on each thread.
-  bool maskMovers() {
+  // One mask is held on each thread.
+  void maskMovers() {
     const std::vector<BitMask> moved = findMovers(input_, jobs_);
-    if (std::ranges::all_of(moved, &BitMask::empty)) return false;
+    if (std::ranges::all_of(moved, &BitMask::empty)) return;
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
     jobs_.runAll("masking what moved", moved.size(), bytes, [&](std::size_t i) {
@@ -170,12 +176,6 @@ class Builder {
       line.moved = line.given - given[line.photograph];
       line.given -= line.moved;
     }
-    scene_.cells.clear();
-    keys_.clear();
-    failure_.clear();
-    report_.cells.clear();
-    report_.dropped = plan_.dropped;
-    return true;
   }
 
   // To the mask that the photograph has, if any; its hash becomes another one.

@@ -13,6 +13,7 @@ constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
 constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
+constexpr double kJudged = 500, kJudge = 1300;
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
@@ -40,6 +41,8 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   add("storing photographs", storing, threads.storing, storing / photographs);
   add("finding features", 1e-9 * kFeatures * work.featurePixels, threads.features, 0);
   add("matching features", kPair * double(work.pairs), threads.features, 0);
+  const double judging = 1e-9 * (kJudged * work.judgedPixels + kJudge * work.judgePixels);
+  add("finding what moved", judging, threads.movers, judging / photographs);
   double cells = 0, longest = 0;
   for (const CellWork& cell : work.cells) {
     cells += cellSeconds(cell);

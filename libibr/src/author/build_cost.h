@@ -32,6 +32,7 @@ struct BuildWork {
   double encodedPixels = 0;   // of pictures that are written anew, not copied
   double featurePixels = 0;   // in which features are looked for
   std::size_t pairs = 0;      // whose features are matched
+  double judgedPixels = 0, judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
   std::vector<CellWork> cells;
   bool exposures = false;     // are compared
   std::size_t backdrops = 0;
@@ -51,9 +52,9 @@ struct StageCost {
 };
 
 /// The stages of a build in their order, those without work left out. `threads`: as many as run jobs side by side in
-/// the stage of storing, of features, of cells, of backdrops.
+/// the stage of storing, of features, of cells, of backdrops, of movers.
 struct StageThreads {
-  int storing = 1, features = 1, cells = 1, backdrops = 1;
+  int storing = 1, features = 1, cells = 1, backdrops = 1, movers = 1;
 };
 std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
                               const MachineSpeed& speed);

@@ -96,9 +96,16 @@ void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options
     checkMaskSize(photo, *mask);
     photo.mask = *mask;
   }
+  if (!log) return;
   for (const std::string& name : lookInto(options.masks).pictures)
-    if (!expected.contains(fs::path(name).lexically_normal()) && log)
-      log(LogLevel::warning, fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
+    if (!expected.contains(fs::path(name).lexically_normal()))
+      log(LogLevel::warning,
+          fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
+  const auto without = std::ranges::count_if(photographs, [](const Photograph& photo) { return photo.mask.empty(); });
+  if (without > 0)
+    log(LogLevel::warning, fmt::format("{}: no masks of {} of the {} photographs, among them {}: they are used whole",
+                                       options.masks.string(), without, photographs.size(),
+                                       std::ranges::find_if(photographs, &fs::path::empty, &Photograph::mask)->name));
 }
 
 // Photographs that are to be left out may be so already. Names of none are faults.

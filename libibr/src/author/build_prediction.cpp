@@ -11,6 +11,7 @@
 #include "author/backdrop_maker.h"
 #include "author/build_cost.h"
 #include "author/cell_maker.h"
+#include "author/find_movers.h"
 #include "author/machine_speed.h"
 #include "author/own_tracks.h"
 #include "author/parallel.h"
@@ -58,6 +59,7 @@ class Predictor {
   BuildPrediction predict() {
     countPhotographs();
     countTracks();
+    if (options_.removeMovers) countMovers();
     countCells();
     work_.exposures = options_.matchExposures || options_.fitVignetting;
     work_.photographs = made_.photographs = input_.photographs.size();
@@ -105,6 +107,20 @@ class Predictor {
     made_.disk += kFeatureBytes * double(images.size());
   }
 
+  // Without tracks nobody knows yet who judges whom: as many as may.
+  void countMovers() {
+    const auto judges = judgesOf(input_);
+    for (std::size_t i = 0; i < judges.size(); ++i) {
+      const Photograph& photo = input_.photographs[i];
+      if (isPanorama(photo)) continue;
+      const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+      work_.judgedPixels += pixels;
+      work_.judgePixels += pixels * double(input_.model.tracks.empty() ? kMostJudges : judges[i].size());
+      judging_ = std::max(judging_, bytesToJudge(photo));
+      kept_ += kJudgementBytesPerPixel * pixels;
+    }
+  }
+
   void countCells() {
     made_.cellsKnown = plan_ != nullptr;
     if (plan_) {
@@ -141,6 +157,7 @@ class Predictor {
     StageThreads side;
     side.storing = threads(storing_, 0, photographs);
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
+    if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
     if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
@@ -159,8 +176,9 @@ class Predictor {
   const CellPlan* const plan_;
   const CellMaker maker_;
   BuildWork work_;
-  double storing_ = 0, loading_ = 0, features_ = 0, matching_ = 0, completing_ = 0;  // bytes of one job, at most
-  double kept_ = 0;                                                                  // bytes of all meshes
+  // Bytes of one job, at most.
+  double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
+  double kept_ = 0;  // bytes of all meshes
   BuildPrediction made_;
 };
 

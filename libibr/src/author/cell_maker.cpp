@@ -117,7 +117,7 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
                          const std::vector<glm::dvec3>& points) {
   std::vector<PanoramaView> views;
   for (const std::uint32_t i : members)
-    views.push_back({input.photographs[i].camera, loadPhotograph(input.photographs[i])});
+    views.push_back({input.photographs[i].camera, loadPhotograph(input.photographs[i]), storedMask(input.photographs[i])});
   return panoramaCell(views, points, {input.refine});
 }
 

@@ -62,14 +62,15 @@ std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input) {
   return judges;
 }
 
+double bytesToJudge(const Photograph& photograph) {
+  const Intrinsics& k = photograph.camera.intrinsics;
+  return bytesToLoad(photograph) + kBytesPerPixel * std::min(double(k.width) * k.height, kMatchPixels);
+}
+
 std::vector<BitMask> findMovers(const BuildInput& input, const BuildJobs& jobs) {
   const std::vector<std::vector<std::uint32_t>> judges = judgesOf(input);
   double bytes = 0;
-  for (const Photograph& photo : input.photographs) {
-    const Intrinsics& k = photo.camera.intrinsics;
-    const double pixels = std::min(double(k.width) * k.height, kMatchPixels);
-    bytes = std::max(bytes, bytesToLoad(photo) + kBytesPerPixel * pixels);
-  }
+  for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToJudge(photo));
   std::vector<JudgedView> views(judges.size());
   jobs.runAll("finding what moved", judges.size(), bytes, [&](std::size_t i) {
     if (!judges[i].empty()) views[i] = judged(input, std::uint32_t(i), judges[i]);

@@ -19,6 +19,12 @@ inline constexpr std::size_t kMostJudges = 3;
 /// Those that share the most tracks with each photograph, at most kMostJudges, best first; pinholes only.
 std::vector<std::vector<std::uint32_t>> judgesOf(const BuildInput& input);
 
+/// The memory that judging a photograph takes at most, bytes.
+double bytesToJudge(const Photograph& photograph);
+
+/// And what is known of all of them at once then, a pixel as it is matched; a photograph of which a quarter differs.
+inline constexpr double kJudgementBytesPerPixel = 0.7;
+
 /// Of each photograph what is masked of it, at half the size at which it is matched (settle_movers.h); empty where
 /// nothing is, or nobody can judge it. Photographs are stored. Beside what one photograph takes on each thread all of
 /// them are held at three bits a pixel of that size, and eight bytes a pixel of what differs, of a quarter of them at

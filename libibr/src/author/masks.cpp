@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "author/cv_view.h"
 #include "base/check.h"
@@ -90,8 +91,13 @@ Image8 resizedMask(const Image8& mask, int width, int height) {
     cvView(mask).copyTo(to);
   else
     cv::resize(cvView(mask), to, to.size(), 0, 0, cv::INTER_AREA);
-  cv::threshold(to, to, kUsed, 255, cv::THRESH_BINARY);
-  return result;
+  return binaryMask(std::move(result));
+}
+
+Image8 binaryMask(Image8 means) {
+  cv::Mat values = cvView(means);
+  cv::threshold(values, values, kUsed, 255, cv::THRESH_BINARY);
+  return means;
 }
 
 Image8 widenedMask(const Image8& mask, int px) {
@@ -115,10 +121,16 @@ double ignoredShare(const Image8& mask) {
   return double(std::ranges::count(mask.values, std::uint8_t(0))) / double(mask.values.size());
 }
 
-Image8 withMask(const Image8& rgb, const Image8& mask) {
+Image8 withoutMasked(const Image8& rgb, const Image8& mask) {
   Image8 filled = rgb;
   cv::Mat colours = cvView(filled);
-  if (ignoredShare(mask) < 1) fillUnknown(colours, cvView(mask));
+  if (!mask.empty() && ignoredShare(mask) < 1) fillUnknown(colours, cvView(mask));
+  return filled;
+}
+
+Image8 withMask(const Image8& rgb, const Image8& mask) {
+  const Image8 filled = withoutMasked(rgb, mask);
+  const cv::Mat colours = cvView(filled);
   Image8 result(rgb.width, rgb.height, 4);
   cv::Mat to = cvView(result);
   const cv::Mat from[]{colours, cvView(mask)};

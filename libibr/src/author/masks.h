@@ -42,6 +42,9 @@ Image8 readMask(const std::filesystem::path& file, const Intrinsics& camera);
 /// At another size: a pixel of which a quarter is ignored is.
 Image8 resizedMask(const Image8& mask, int width, int height);
 
+/// Of a mask's means: a pixel of which a quarter is ignored is.
+Image8 binaryMask(Image8 means);
+
 /// With `px` more around all that is ignored; one pixel of a mask is a square of them.
 Image8 widenedMask(const Image8& mask, int px);
 
@@ -61,6 +64,10 @@ inline bool isIgnored(const Image8& mask, glm::vec2 at) {
 /// RGBA: the mask as alpha, and under it colours from around, so that no smaller size and no block of a texture mixes
 /// in what is not to be seen. Precondition: equal sizes.
 Image8 withMask(const Image8& rgb, const Image8& mask);
+
+/// RGB: the picture, with colours from around where it is masked: nothing is to be found there. Precondition: equal
+/// sizes, or no mask.
+Image8 withoutMasked(const Image8& rgb, const Image8& mask);
 
 /// Leaves out the observations of an image that its mask, of any size, covers. `tracks`: those that have one of it.
 /// Tracks without any are left.

@@ -9,6 +9,8 @@
 #include "author/agreement.h"
 #include "author/cv_view.h"
 #include "author/features.h"
+#include "author/mask_pairs.h"
+#include "author/masks.h"
 #include "author/mesh_warp.h"
 #include "author/photographs.h"
 #include "author/position_depth.h"
@@ -54,7 +56,7 @@ class FlowMatcher {
  public:
   explicit FlowMatcher(std::span<const MatchView> views) : views_(views), d_(views.size()) {
     for (const MatchView& v : views) {
-      features_.push_back(detectFeatures(grey_.emplace_back(greyOf(v.picture)), kFeatures));
+      features_.push_back(detectFeatures(grey_.emplace_back(greyOf(withoutMasked(v.picture, v.mask))), kFeatures));
     }
     const Image8& first = grey_[0];
     match_.frame = views[0].camera;
@@ -120,7 +122,7 @@ class FlowMatcher {
     for (std::size_t i = 1; i < d_; ++i) match_.position.push_back(map_[0][i]);
 
     // Whether two members' matches of a pixel are each other's, seen from both.
-    cv::Mat all(height, width, CV_8U, cv::Scalar(255));
+    MaskPairs pairs(views_, match_.position);
     std::vector<cv::Mat> inside, warped;
     for (std::size_t i = 0; i < d_; ++i) {
       inside.push_back(insideOf(match_.position[i], views_[i].picture));
@@ -133,10 +135,11 @@ class FlowMatcher {
         const cv::Mat there = nearerThan(chained(match_.position[j], map_[j][i]), cvView(match_.position[i]), limit);
         const cv::Mat sound = back & there & inside[i] & inside[j];
         const Agreement found = agreement(warped[i], warped[j]);
-        all &= sound & found.alike;
-        for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, sound & found.textured);
+        pairs.add(i, j, sound & found.alike);
+        for (const std::size_t k : {i, j})
+          cvView(match_.seen[k]).setTo(1, sound & found.textured & pairs.used(i, j));
       }
-    cvView(match_.good).setTo(1, all);
+    cvView(match_.good).setTo(1, pairs.good());
   }
 
   std::span<const MatchView> views_;

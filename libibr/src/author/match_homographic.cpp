@@ -10,6 +10,8 @@
 #include "author/epipolar.h"
 #include "author/features.h"
 #include "author/homographies.h"
+#include "author/mask_pairs.h"
+#include "author/masks.h"
 #include "author/photographs.h"
 #include "author/plane_patch.h"
 #include "author/position_depth.h"
@@ -36,7 +38,7 @@ class HomographicMatcher {
   HomographicMatcher(std::span<const MatchView> views, const HomographicOptions& options)
       : views_(views), options_(options), d_(views.size()), cameras_(camerasOf(views)), fit_(cameras_, options.posed) {
     for (const MatchView& v : views) {
-      const Image8 grey = greyOf(v.picture);
+      const Image8 grey = greyOf(withoutMasked(v.picture, v.mask));
       features_.push_back(detectFeatures(grey, kFeatures));
       cv::Mat value = cvView(grey_.emplace_back(grey.width, grey.height, 1));
       cvView(grey).convertTo(value, CV_32F);
@@ -191,7 +193,7 @@ class HomographicMatcher {
   }
 
   void gate(DenseMatch& match, const cv::Mat& known) const {
-    cv::Mat all = known;
+    MaskPairs pairs(views_, match.position);
     std::vector<cv::Mat> inside, warped;
     for (std::size_t i = 0; i < d_; ++i) {
       const ImageF& picture = grey_[i];
@@ -206,10 +208,10 @@ class HomographicMatcher {
       for (std::size_t j = 0; j < i; ++j) {
         const Agreement found = agreement(warped[i], warped[j]);
         const cv::Mat both = known & inside[i] & inside[j];
-        all &= both & found.alike;
-        for (const std::size_t k : {i, j}) cvView(match.seen[k]).setTo(1, both & found.textured);
+        pairs.add(i, j, both & found.alike);
+        for (const std::size_t k : {i, j}) cvView(match.seen[k]).setTo(1, both & found.textured & pairs.used(i, j));
       }
-    cvView(match.good).setTo(1, all);
+    cvView(match.good).setTo(1, pairs.good() & known);
   }
 
   std::span<const MatchView> views_;

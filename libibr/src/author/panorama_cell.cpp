@@ -10,6 +10,7 @@
 
 #include "author/delaunay.h"
 #include "author/label.h"
+#include "author/masks.h"
 #include "author/panorama_faces.h"
 #include "author/ranges.h"
 #include "author/simplex.h"
@@ -88,8 +89,11 @@ class Maker {
       const int size = std::min(faceSize(view.picture.width, kFov), int(std::sqrt(kFacePixels)));
       const Intrinsics intrinsics = faceIntrinsics(size, kFov);
       const glm::dquat turn = glm::conjugate(view.camera.pose.rotation) * rotation;
-      face.views.push_back(
-          {{intrinsics, {view.camera.pose.position, rotation}}, PanoramaSampler(view.picture).view(intrinsics, turn)});
+      MatchView& seen = face.views.emplace_back();
+      seen.camera = {intrinsics, {view.camera.pose.position, rotation}};
+      seen.picture = PanoramaSampler(view.picture).view(intrinsics, turn);
+      if (!view.mask.empty())
+        seen.mask = binaryMask(PanoramaSampler(view.mask).view(intrinsics, turn));
     }
     std::vector<glm::dvec3> onAxis;  // as far as the points are, in every direction
     for (const double distance : distances_) onAxis.push_back(centre_ + distance * (rotation * glm::dvec3(0, 0, -1)));

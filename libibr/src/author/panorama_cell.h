@@ -18,6 +18,7 @@ namespace ibr {
 struct PanoramaView {
   Camera camera;   // equirectangular, at the stored size
   Image8 picture;  // RGB, of any size with the same shape
+  Image8 mask;     // of the picture's size, 0 where it is ignored; empty: nothing is
 };
 
 /// `points` of the world that the members see bound the depths; where there are none, what is nearer than half of the

@@ -181,6 +181,9 @@ TEST_CASE("baselines refuse what they cannot show") {
   Scene panoramas = place.scene();
   panoramas.nodes[1].camera.intrinsics.model = CameraModel::equirectangular;
   CHECK_THROWS_WITH(Baselines(panoramas), Catch::Contains("view1") && Catch::Contains("panorama"));
+  Scene masked = place.scene();
+  masked.nodes[1].maskFile = "masks/view1.png";
+  CHECK_THROWS_WITH(Baselines(masked), Catch::Contains("view1") && Catch::Contains("--baselines"));
 }
 
 TEST_CASE("depth in a scene is what its meshes say") {

@@ -127,6 +127,36 @@ TEST_CASE("what a build will take is told before it begins, and a dry run makes 
   CHECK(report.memory > 1e6);
 }
 
+TEST_CASE("to look for what moved costs more the more photographs judge, and is not counted where nobody looks") {
+  BuildWork work = someWork(8);
+  const StageThreads one;
+  const double without = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  work.judgedPixels = 8e6;
+  const double alone = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  CHECK(alone > without);
+  work.judgePixels = 24e6;
+  const double judged = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  CHECK(judged > alone);
+  CHECK(secondsOf(costOf(work, {1, 1, 1, 1, 4}, TextureFormat::rgba8, {})) ==
+        Approx(without + (judged - without) / 4));
+
+  const test::CourtPhotographs set = court(6);
+  BuildOptions options = set.options;
+  const auto stages = [&](bool remove) {
+    std::vector<std::string> names;
+    options.removeMovers = remove;
+    options.predicted = [&](const BuildPrediction& p) {
+      for (const auto& stage : p.stages) names.push_back(stage.name);
+      return false;
+    };
+    build(options);
+    return names;
+  };
+  const std::vector<std::string> kept = stages(false), removed = stages(true);
+  CHECK(std::ranges::find(kept, "finding what moved") == kept.end());
+  CHECK(std::ranges::find(removed, "finding what moved") != removed.end());
+}
+
 TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
   const CellWork cell{1e6, 100, 2, 2e6, 3e6, 0};
   const double bytes = bytesToMake(cell);

@@ -426,6 +426,7 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
       if (level == LogLevel::warning) said += text;
     });
     CHECK_THAT(said, Contains("nobody.png") && !Contains("001.png") && !Contains("003.png"));
+    CHECK_THAT(said, Contains("no masks of") && Contains("among them 000.png") && !Contains("other way round"));
     REQUIRE(report.masks.size() == 1);
     CHECK(report.masks[0].photograph == "001.png");
     CHECK(report.masks[0].given == Approx(1.0 / 12));
@@ -456,6 +457,15 @@ TEST_CASE("masks go into the scene and into the textures' alpha, in every format
         }
       }
   }
+  // The wrong polarity leaves next to nothing, which is told by name.
+  Image8 inverted = mask;
+  for (std::uint8_t& value : inverted.values) value = value ? 0 : 255;
+  writeImage(set.folder / "masks/001.png", inverted);
+  std::string said;
+  build(options, {}, [&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::warning) said += text;
+  });
+  CHECK_THAT(said, Contains("001.png: its mask leaves 8 %") && Contains("other way round"));
   options.masks = set.folder / "photos/nowhere";
   CHECK_THAT(errorOf([&] { build(options); }).what(), Contains("nowhere") && Contains("masks"));
   options.masks = set.folder / "masks";

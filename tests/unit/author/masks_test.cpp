@@ -6,6 +6,7 @@
 #include "author/find_movers.h"
 #include "author/masks.h"
 #include "author/match.h"
+#include "author/matcher_choice.h"
 #include "author/mesh.h"
 #include "author/movers.h"
 #include "author/posed_model.h"
@@ -210,6 +211,36 @@ TEST_CASE("where a member is masked the other two are matched, where one is left
   CHECK(agreeing > 0);  // four of five and more
   place.views[1].mask = Image8(320, 240, 1, 0);
   CHECK(goodIn(matchViews(place.views, place.points)) == 0);
+}
+
+TEST_CASE("flow and homographies heed masks, too") {
+  const MatchMethod method = GENERATE(MatchMethod::flow, MatchMethod::homographic);
+  INFO(methodName(method));
+  Place place;
+  const auto goodIn = [&] {  // of what the second photograph shows of him; the first one is the frame
+    CellMatchOptions options;
+    options.matcher = method;
+    const DenseMatch match = matchCell(place.views, place.points, options);
+    double good = 0, all = 0;
+    for (int y = 0; y < match.good.height; ++y)
+      for (int x = 0; x < match.good.width; ++x) {
+        const auto at = match.position[1].pixel(x, y);
+        if (at[0] < kLeft + 8 || at[0] > kRight - 8 || at[1] < kTop + 8 || at[1] > kBottom - 8) continue;
+        good += match.good.pixel(x, y)[0];
+        all += 1;
+      }
+    REQUIRE(all > 1000);
+    return good / all;
+  };
+  CHECK(goodIn() > 0.9);
+  plant(place.views[1].picture);
+  CHECK(goodIn() < 0.3);
+  place.views[1].mask = Image8(320, 240, 1, 255);
+  for (int y = kTop; y < kBottom; ++y)
+    for (int x = kLeft; x < kRight; ++x) place.views[1].mask.pixel(x, y)[0] = 0;
+  CHECK(goodIn() > (method == MatchMethod::flow ? 0.8 : 0.3));  // the others agree; tracks are of all members
+  place.views[0].mask = Image8(320, 240, 1, 0);
+  CHECK(goodIn() == 0);
 }
 
 TEST_CASE("who stands in one photograph alone is found, who is not there is not") {

@@ -152,3 +152,30 @@ TEST_CASE("panoramas in a room are matched on its walls, all round") {
   }
   CHECK(double(good) > 0.9 * double(cell.mesh.pointCount()));
 }
+
+TEST_CASE("masked panoramas are not matched where they are masked") {
+  const std::vector<Camera> cameras = triangleOfPanoramas();
+  const SyntheticScene synthetic = room(cameras);
+  std::vector<PanoramaView> views;
+  for (std::size_t i = 0; i < cameras.size(); ++i) views.push_back({cameras[i], synthetic.photographs[i], {}});
+  const auto agreeingIn = [&](const CellMesh& cell) {  // triangles, in the masked band of the first panorama
+    std::size_t agreeing = 0;
+    const int width = views[0].picture.width;
+    for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
+      const auto& m = cell.mesh.match[0];
+      const glm::uvec3 v = cell.mesh.triangles[t];
+      agreeing += std::ranges::all_of(std::array{v.x, v.y, v.z}, [&](unsigned p) {
+        return m[p].x > 0.3f * float(width) && m[p].x < 0.45f * float(width);
+      });
+    }
+    return agreeing;
+  };
+  REQUIRE(agreeingIn(panoramaCell(views, {})) > 20);
+  Image8 band(views[0].picture.width, views[0].picture.height, 1, 255);
+  for (int y = 0; y < band.height; ++y)
+    for (int x = band.width / 4; x < band.width / 2; ++x) band.pixel(x, y)[0] = 0;
+  views[0].mask = band;
+  CHECK(agreeingIn(panoramaCell(views, {})) > 10);  // the other two agree
+  views[1].mask = Image8(band.width, band.height, 1, 0);
+  CHECK(agreeingIn(panoramaCell(views, {})) == 0);
+}
