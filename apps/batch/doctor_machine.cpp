@@ -9,6 +9,7 @@
 
 #include "base/child_process.h"
 #include "base/file.h"
+#include "base/usage.h"
 #include "batch/findings.h"
 #include "ibr/device.h"
 #include "shared/table.h"
@@ -21,7 +22,8 @@ namespace {
 constexpr double kGiB = 1024.0 * 1024 * 1024;
 constexpr double kLeastMemory = 2 * kGiB;  // free, for photographs of 24 megapixels
 constexpr double kLittleDisk = 5 * kGiB, kNoDisk = 0.2 * kGiB;
-constexpr auto kPatience = std::chrono::seconds(10);  // for a program to tell its version
+constexpr auto kPatience = std::chrono::seconds(5);  // for a program to tell its version
+constexpr std::size_t kMostOfALine = 200;            // that it prints, bytes
 
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
@@ -64,46 +66,69 @@ void examineDevices(Findings& findings) {
                   "With a graphics card in this machine, install its driver."});
 }
 
-struct ProgramVersion {
+struct Program {
   bool there = false;
-  std::string firstLine;
+  std::string version;  // the first line that begins as its version does; empty where `trouble` says why there is none
+  std::string trouble;
 };
 
-ProgramVersion versionOf(const std::vector<std::string>& command) {
-  ProgramVersion version;
+Program look(const std::vector<std::string>& command, std::string_view begins) {
+  Program program;
+  std::string first;
   const auto end = std::chrono::steady_clock::now() + kPatience;
   try {
-    runChild(
+    const ChildResult result = runChild(
         command, {},
         [&](std::string_view line) {
-          if (version.firstLine.empty()) version.firstLine = line;
+          if (first.empty()) first = line.substr(0, kMostOfALine);
+          if (program.version.empty() && line.starts_with(begins)) program.version = line.substr(0, kMostOfALine);
         },
         [&] { return std::chrono::steady_clock::now() < end; });
-    version.there = true;
-  } catch (const Error&) {
+    program.there = true;
+    if (result.stopped)
+      program.trouble = fmt::format("it had not ended after {} seconds", kPatience.count());
+    else if (result.status != 0)
+      program.trouble = fmt::format("it ended with {}{}{}", result.status, first.empty() ? "" : ": ", first);
+    else if (program.version.empty())
+      program.trouble = first.empty() ? "it says nothing" : "it says: " + first;
+  } catch (const Error&) {  // it cannot be started
   }
-  return version;
+  return program;
 }
 
-void examinePrograms(Findings& findings) {
-  if (const ProgramVersion colmap = versionOf({"colmap", "help"}); !colmap.there) {
+std::string brokenText(const char* name, const Program& program) {
+  return fmt::format("The program {} is there, but asked for its version, {}.", name, program.trouble);
+}
+
+void examineColmap(Findings& findings) {
+  const Program colmap = look({"colmap", "help"}, "COLMAP ");
+  if (!colmap.there)
     findings.add({"colmap", Severity::warning,
                   "The program COLMAP is not there: photographs cannot be built without their poses.",
                   "Install it (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
-  } else {
-    int major = 0, minor = 0;
-    if (std::sscanf(colmap.firstLine.c_str(), "COLMAP %d.%d", &major, &minor) == 2 &&
-        (major < 3 || (major == 3 && minor < 8)))
-      findings.add({"colmap", Severity::warning, fmt::format("COLMAP {}.{} is too old.", major, minor),
-                    "Poses are estimated by 3.8 or later."});
-    findings.fact(fmt::format("poses: {}", colmap.firstLine));
-  }
-  if (const ProgramVersion ffmpeg = versionOf({"ffmpeg", "-version"}); !ffmpeg.there)
+  else if (!colmap.trouble.empty())
+    findings.add({"colmap", Severity::warning, brokenText("COLMAP", colmap),
+                  "Install it again, or give poses (--model, --transforms)."});
+  else
+    findings.fact(fmt::format("poses: {}", colmap.version));
+  int major = 0, minor = 0;
+  if (std::sscanf(colmap.version.c_str(), "COLMAP %d.%d", &major, &minor) == 2 &&
+      (major < 3 || (major == 3 && minor < 8)))
+    findings.add({"colmap", Severity::warning, fmt::format("COLMAP {}.{} is too old.", major, minor),
+                  "Poses are estimated by 3.8 or later."});
+}
+
+void examineFfmpeg(Findings& findings) {
+  const Program ffmpeg = look({"ffmpeg", "-version"}, "ffmpeg version ");
+  if (!ffmpeg.there)
     findings.add({"ffmpeg", Severity::hint,
                   "The program ffmpeg is not there: pictures of a walk do not become a video.",
                   "Install it (Debian: apt-get install ffmpeg)."});
+  else if (!ffmpeg.trouble.empty())
+    findings.add({"ffmpeg", Severity::hint, brokenText("ffmpeg", ffmpeg),
+                  "Pictures of a walk do not become a video without it: install it again."});
   else
-    findings.fact("videos: " + ffmpeg.firstLine.substr(0, ffmpeg.firstLine.find(" Copyright")));
+    findings.fact("videos: " + ffmpeg.version.substr(0, ffmpeg.version.find(" Copyright")));
 }
 
 void examineMemory(Findings& findings) {
@@ -118,11 +143,19 @@ void examineMemory(Findings& findings) {
     if (key == "MemAvailable:") available = 1024 * kibibytes;
   }
   if (total < 0 || available < 0) return;
+  const double limit = memoryLimit();
+  const bool limited = limit < available;  // by a container or ulimit, not by what other programs have
+  available = std::min(available, limit);
   findings.fact(fmt::format("{} processor cores, {} of {} of memory free", std::thread::hardware_concurrency(),
-                            bytesText(available), bytesText(total)));
+                            bytesText(available), bytesText(std::min(total, limit))));
   if (available < kLeastMemory)
-    findings.add({"memory", Severity::warning, fmt::format("Only {} of memory is free.", bytesText(available)),
-                  "Close other programs, or build smaller photographs (--max-size 1600)."});
+    findings.add({"memory", Severity::warning,
+                  limited ? fmt::format("Programs may have only {} of memory here.", bytesText(available))
+                          : fmt::format("Only {} of memory is free.", bytesText(available)),
+                  limited
+                      ? "Raise the limit of the container or of the shell (ulimit -v), or build smaller photographs "
+                        "(--max-size 1600)."
+                      : "Close other programs, or build smaller photographs (--max-size 1600)."});
 }
 
 void examineDisk(Findings& findings) {
@@ -201,7 +234,8 @@ void examineMachine(Findings& findings, const Context&) {
   examineDevices(findings);
   examineMemory(findings);
   examineDisk(findings);
-  examinePrograms(findings);
+  examineColmap(findings);
+  examineFfmpeg(findings);
   examineDisplay(findings);
   examineHeadset(findings);
 }

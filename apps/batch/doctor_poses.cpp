@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "base/median.h"
 #include "batch/findings.h"
 
 namespace ibr::app {
@@ -16,12 +17,6 @@ constexpr double kError = 0.0015;       // of the longest side: of a photograph'
 constexpr std::size_t kShared = 30;     // points that join two photographs
 constexpr double kWideStep = 0.6;       // of a step, in distances of what is seen
 constexpr std::size_t kFewPoints = 50;  // of a photograph
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::nth_element(values, values.begin() + std::ptrdiff_t(values.size() / 2));
-  return values[values.size() / 2];
-}
 
 void names(const PosedModel& model, const std::vector<std::string>& pictures, Findings& findings) {
   std::vector<std::string> posed, unposed, missing;

@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include "base/check.h"
+#include "base/median.h"
 
 namespace ibr::app {
 namespace {
@@ -202,12 +203,6 @@ void smooth(std::vector<T>& values, Member member) {
 void repair(std::vector<Look>& looks, const std::vector<Look>& before) {
   for (std::size_t i = 0; i < looks.size(); ++i)
     if (!(glm::length(glm::cross(looks[i].axis, looks[i].up)) > 0.1)) looks[i] = before[i];
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void chooseSize(const Intrinsics& photograph, CameraPath& path) {

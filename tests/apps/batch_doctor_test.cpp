@@ -83,9 +83,49 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
     writeFile(photographs / "walk.mp4", std::string_view("video"));
     const Diagnosis foreign = examine();
     CHECK(foreign.code == 0);
-    CHECK(foreign.subjects == Subjects{"format"});
-    CHECK_THAT(foreign.text, Contains("IMG_1.HEIC is not read (HEIC") && Contains("_DSC1.NEF is not read (raw)") &&
-                                 Contains("ffmpeg"));
+    CHECK(foreign.subjects == Subjects{"file", "format"});
+    CHECK_THAT(foreign.text, Contains("IMG_1.HEIC: HEIC files are not read. Convert them") &&
+                                 Contains("_DSC1.NEF: raw files are not read. Develop them") &&
+                                 Contains("walk.mp4: is a video. Save single pictures"));
+  }
+  SECTION("what a build passes over without a word") {
+    const std::string_view raw("II*\0", 4), webp("RIFF\0\0\0\0WEBP", 12);
+    for (const char* name : {"row1.CR2", "row1.mov", "._row1.webp", "._walk.mov"}) writeFile(photographs / name, raw);
+    fs::create_directories(photographs / "@eaDir");
+    writeFile(photographs / "@eaDir/t.webp", webp);
+    writeFile(photographs / "@eaDir/t.mp4", webp);
+    const Diagnosis silent = examine();
+    INFO(silent.text);
+    CHECK(silent.subjects.empty());
+  }
+  SECTION("what a build says that it does not read, whatever is in it") {
+    fs::copy(photographs / "row1.png", photographs / "only.HEIC");
+    writeFile(photographs / "solo.NRW", std::string_view("II*\0", 4));
+    const Diagnosis unread = examine();
+    CHECK(unread.code == 0);
+    CHECK(unread.subjects == Subjects{"file"});
+    CHECK_THAT(unread.text, Contains("only.HEIC: heic files are not read") || Contains("only.HEIC: HEIC files"));
+    CHECK_THAT(unread.text, Contains("solo.NRW: raw files are not read"));
+  }
+  SECTION("one that is empty is told once, and is no photograph without a pose") {
+    writeFile(photographs / "IMG_10.jpg", std::string_view());
+    const Diagnosis empty = examine();
+    CHECK(empty.code == 0);
+    CHECK(empty.text == "IMG_10.jpg: is empty. Copy it from the camera again.\n");
+  }
+  SECTION("one that is empty and has a pose stops the build") {
+    writeFile(photographs / "row2.png", std::string_view());
+    const Diagnosis empty = examine();
+    CHECK(empty.code == 3);
+    CHECK_THAT(empty.text, Contains("1 of the photographs that have a pose cannot be read: row2.png."));
+    CHECK_THAT(empty.text, !Contains("not here"));
+  }
+  SECTION("whole ones of a kind that is not read are not to be copied again") {
+    writeBytes(photographs / "ink.jpg", test::makeJpeg(test::noisyPicture(64, 48, 4), test::JpegKind::cmyk));
+    const Diagnosis inks = examine();
+    CHECK(inks.code == 3);
+    CHECK(inks.subjects == Subjects{"file"});
+    CHECK_THAT(inks.text, Contains("Save it as RGB") && !Contains("Copy it") && !Contains("no pose"));
   }
   SECTION("one that was made small, without a pose") {
     writeImage(photographs / "small.png", test::noisyPicture(64, 48, 3));
@@ -102,33 +142,14 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
     CHECK(copy.subjects == Subjects{"repeated"});
     CHECK_THAT(copy.text, Contains("is a copy of"));
   }
-  SECTION("a blurred one") {
-    std::uint32_t state = 1;  // of the grain that sharp photographs have
-    for (int n = 0; n < 5; ++n) {
-      const fs::path file = photographs / ("row" + std::to_string(n) + ".png");
-      Image8 grained = readImage(file);
-      for (std::uint8_t& v : grained.values) {
-        state = state * 1664525u + 1013904223u;
-        v = std::uint8_t(std::clamp(int(v) + int(state >> 27) - 16, 0, 255));
-      }
-      writeImage(file, grained);
-    }
-    CHECK(examine().subjects.empty());
-    const Image8 sharp = readImage(photographs / "row2.png");
-    Image8 soft = sharp;
-    for (int y = 0; y < sharp.height; ++y)
-      for (int x = 0; x < sharp.width; ++x)
-        for (std::size_t c = 0; c < 3; ++c) {
-          int sum = 0, count = 0;
-          for (int j = std::max(0, y - 4); j <= std::min(sharp.height - 1, y + 4); ++j)
-            for (int i = std::max(0, x - 4); i <= std::min(sharp.width - 1, x + 4); ++i, ++count)
-              sum += sharp.pixel(i, j)[c];
-          soft.pixel(x, y)[c] = std::uint8_t(sum / count);
-        }
-    writeImage(photographs / "row2.png", soft);
-    const Diagnosis blurred = examine();
-    CHECK(blurred.subjects == Subjects{"blur"});
-    CHECK_THAT(blurred.text, Contains("row2.png is blurred"));
+  SECTION("one that takes more memory than there is is told by its header") {
+    writeBytes(photographs / "vast.png", test::withPngSize(test::readBytes(photographs / "row1.png"), 16000, 16000));
+    const auto vast = runProgram({"-c", "ulimit -v 1500000; exec \"$0\" doctor \"$1\"", IBR_PROGRAM, photographs},
+                                 {.program = "/bin/sh"});
+    CHECK(vast.code == 3);
+    CHECK_THAT(vast.out, Contains("vast.png cannot be read: 16000×16000 px take 1.9 GiB of memory, and there are 1.4 "
+                                  "GiB at most") &&
+                             !Contains("row1"));
   }
   SECTION("a model that is no model") {
     writeFile(photographs / "sparse/images.txt", std::string_view("1 2 three\n"));
@@ -159,6 +180,34 @@ TEST_CASE("doctor reads what the camera wrote down: exposure and zoom") {
   CHECK(diagnosis.subjects == Subjects{"exposure", "repeated", "zoom"});
   CHECK_THAT(diagnosis.text, Contains("was exposed 2.3 stops more than p5.jpg") &&
                                  Contains("p6.jpg: zoomed, at 50 mm and not 24 mm as the others"));
+}
+
+TEST_CASE("doctor calls a photograph blurred beside those of its size that look like it, and no other") {
+  test::TemporaryFolder folder;
+  // Grain of a strength, over a slope from left to right or from top to bottom.
+  const auto shoot = [&](const std::string& name, int grain, bool down, int width, std::uint32_t exposure = 0) {
+    Image8 picture(width, width * 3 / 4, 3);
+    std::uint32_t state = std::uint32_t(std::hash<std::string>()(name));
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        state = state * 1664525u + 1013904223u;
+        const int slope = down ? 160 * y / picture.height : 160 * x / picture.width;
+        for (std::uint8_t& v : picture.pixel(x, y)) v = std::uint8_t(48 + slope + grain * int(state >> 28) / 16);
+      }
+    using E = test::ExifEntry;
+    const auto block = test::exifBlock({}, {E{0x829a, 5, {exposure, 1}}}, true);
+    const auto jpeg = test::makeJpeg(picture, test::JpegKind::baseline);
+    writeBytes(folder / name, exposure ? test::withExifBlock(jpeg, block) : jpeg);
+  };
+  for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_a.jpg", 40, false, 240 + 8 * (i % 2));
+  for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_b.jpg", 40, i == 2, 240 + 8 * (i % 2));
+  shoot("p2_b.jpg", 4, true, 240);  // plain, as nothing else that looks this way
+  CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
+  shoot("p3_b.jpg", 4, false, 320);  // plain, as nothing else of its size
+  CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
+  shoot("p4_b.jpg", 4, false, 240, 4);
+  CHECK_THAT(doctor({folder.path()}).text,
+             Contains("p4_b.jpg is blurred, beside those that look like it (exposed for 4.0 s)."));
 }
 
 TEST_CASE("doctor and a scene") {
@@ -193,9 +242,9 @@ TEST_CASE("doctor takes anything, and says what it is not") {
   writeImage(folder / "c.png", grey);
   const Diagnosis odd = doctor({folder.path()});
   INFO(odd.text);
-  CHECK(odd.code == 3);
-  CHECK_THAT(odd.text,
-             Contains("empty.jpg cannot be read") && Contains("words.tif") && Contains("c.png is a copy of b.png"));
+  CHECK(odd.code == 0);
+  CHECK_THAT(odd.text, Contains("empty.jpg: is empty.") && Contains("words.tif: is no JPEG, PNG or TIFF file") &&
+                           Contains("c.png is a copy of b.png"));
 }
 
 TEST_CASE("doctor of a machine says what is missing there") {
@@ -220,8 +269,34 @@ TEST_CASE("doctor of a machine says what is missing there") {
   CHECK(without.code == 5);
   CHECK(without.subjects.contains("device"));
 
-  // A program that tells an old version, and one that never ends its sentence.
-  writeFile(folder / "colmap", std::string_view("#!/bin/sh\necho 'COLMAP 3.6 -- Structure-from-Motion'\n"));
-  fs::permissions(folder / "colmap", fs::perms::owner_all);
-  CHECK_THAT(doctor({}, bare).text, Contains("COLMAP 3.6 is too old"));
+  // What this process may have, not the machine.
+  const auto limited =
+      runProgram({"-c", "ulimit -v 1500000; exec \"$0\" doctor --json -", IBR_PROGRAM}, {.program = "/bin/sh"});
+  CHECK_THAT(limited.out, Contains("of 1.4 GiB of memory free"));
+}
+
+TEST_CASE("doctor asks programs for their version, and believes no other answer") {
+  test::TemporaryFolder folder;
+  const test::RunOptions bare{.environment = {"PATH=" + folder.path().string() + ":/usr/bin:/bin"}};
+  const auto stands = [&](const char* name, const std::string& script) {
+    writeFile(folder / name, "#!/bin/sh\n" + script + '\n');
+    fs::permissions(folder / name, fs::perms::owner_all);
+  };
+  stands("ffmpeg", "echo 'ffmpeg version 6.0 Copyright'");
+  stands("colmap", "echo a warning; echo 'COLMAP 3.6 -- Structure-from-Motion'");
+  Diagnosis machine = doctor({}, bare);
+  CHECK_THAT(machine.text, Contains("COLMAP 3.6 is too old") && !Contains("ffmpeg"));
+  stands("colmap", "echo 'colmap: error while loading shared libraries: libx.so.1' >&2; exit 127");
+  machine = doctor({}, bare);
+  CHECK(machine.subjects.contains("colmap"));
+  CHECK_THAT(machine.text,
+             Contains("COLMAP is there, but asked for its version, it ended with 127: colmap: error while "
+                      "loading shared libraries: libx.so.1."));
+  // One that says something else, and one that never ends its sentence.
+  stands("colmap", "echo hello");
+  stands("ffmpeg", "tr '\\0' f </dev/zero");
+  machine = doctor({}, bare);
+  CHECK_THAT(machine.text,
+             Contains("COLMAP is there, but asked for its version, it says: hello.") &&
+                 Contains("ffmpeg is there, but asked for its version, it had not ended after 5 seconds"));
 }

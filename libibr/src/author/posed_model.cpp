@@ -62,10 +62,4 @@ Camera matchedCamera(Camera camera) {
   return camera;
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace ibr

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/median.h"
 #include "ibr/author.h"
 
 namespace ibr {
@@ -27,8 +28,5 @@ inline constexpr double kMatchPixels = 2e6;
 
 /// The camera at the size that its photograph is matched at. Limits in px of what matching tells apart refer to it.
 Camera matchedCamera(Camera camera);
-
-/// The greater of the two in the middle where their number is even. Precondition: not empty. Reorders.
-double median(std::vector<double>& values);
 
 }  // namespace ibr

@@ -15,6 +15,7 @@
 #include <exception>
 #include <map>
 #include <thread>
+#include <utility>
 
 #include "base/check.h"
 
@@ -23,6 +24,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
+
+constexpr int kMostTurns = 32;                   // of 4096 bytes, twice what a pipe holds, before it is asked to go on
+constexpr std::size_t kLongestLine = 64 * 1024;  // bytes
 
 class Descriptor {
  public:
@@ -127,13 +131,15 @@ ChildResult runChild(const std::vector<std::string>& arguments,
   bool open = true;
   const auto read = [&] {
     char buffer[4096];
-    for (ssize_t got; (got = ::read(in.get(), buffer, sizeof(buffer))) != 0;) {
-      if (got < 0) return;  // nothing more for now
+    for (int turn = 0; turn < kMostTurns; ++turn) {
+      const ssize_t got = ::read(in.get(), buffer, sizeof(buffer));
+      if (got == 0) open = false;
+      if (got <= 0) return;  // nothing more for now
       rest.append(buffer, std::size_t(got));
       for (std::size_t end; (end = rest.find_first_of("\r\n")) != rest.npos; rest.erase(0, end + 1))
         if (end > 0) line(std::string_view(rest).substr(0, end));
+      if (rest.size() >= kLongestLine) line(std::exchange(rest, {}));
     }
-    open = false;
   };
   // What it has started may hold the pipe longer than it lives: its own end counts.
   for (bool ended = false; !ended;) {

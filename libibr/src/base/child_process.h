@@ -16,7 +16,8 @@ struct ChildResult {
 };
 
 /// Runs `arguments[0]`, looked for along PATH unless it names a folder, with our environment and `environment` (names
-/// and values) over it; its stdin is empty. `line` gets what it prints to stdout and stderr, without line ends.
+/// and values) over it; its stdin is empty. `line` gets what it prints to stdout and stderr, without line ends;
+/// lines of more than 64 KiB in pieces.
 /// `goesOn` is asked ten times a second and oftener; when it says no, the program and all that it has started are ended
 /// (SIGTERM, after three seconds SIGKILL) and waited for. Throws Error{io} where it cannot be started.
 ChildResult runChild(const std::vector<std::string>& arguments,

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "base/check.h"
+#include "base/median.h"
 #include "scene/next_views.h"
 #include "scene/sharpness_advice.h"
 #include "scene/walk_estimate.h"
@@ -33,13 +34,6 @@ constexpr double kTurnLess = 30;      // degrees from one photograph to the next
 constexpr double kLeastGain = 0.02;   // of a further photograph, at one stand
 const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // of linear sRGB
 constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
-
-double median(std::vector<double> values) {
-  if (values.empty()) return kNoFigure;
-  const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::ranges::nth_element(values, at);
-  return *at;
-}
 
 int percent(double share) {
   return int(std::lround(100 * share));

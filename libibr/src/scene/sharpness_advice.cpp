@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "base/median.h"
 #include "ibr/error.h"
 #include "image/ktx2.h"
 #include "image/sharpness.h"
@@ -17,14 +17,6 @@ namespace {
 constexpr int kSide = 1600;     // px, the longer side at most
 constexpr double kBlur = 0.35;  // of the median of its neighbours, and of all
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-
-double median(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return kUnknown;
-  const auto at = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::ranges::nth_element(values, at);
-  return *at;
-}
 
 double sharpnessOf(const std::filesystem::path& texture) {
   try {

@@ -221,3 +221,13 @@ TEST_CASE("programs are run with their words read line by line") {
   CHECK(length == 3000 * 40 + 3);
   CHECK(test::errorOf([&] { runChild({"/no/such/program"}, {}, keep, on); }).code() == ErrorCode::io);
 }
+
+TEST_CASE("a program that prints without end is stopped, and its line given in pieces") {
+  std::size_t longest = 0, asked = 0;
+  const ChildResult endless = runChild(
+      {"sh", "-c", "tr '\\0' x </dev/zero"}, {},
+      [&](std::string_view line) { longest = std::max(longest, line.size()); }, [&] { return ++asked < 20; });
+  CHECK(endless.stopped);
+  CHECK(longest >= 64 * 1024);
+  CHECK(longest < 128 * 1024);
+}
