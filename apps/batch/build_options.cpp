@@ -61,8 +61,7 @@ SceneFinisher optimiser(AlignmentMethod method, const Context& context) {
 
 }  // namespace
 
-std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
-  const std::vector<CLI::Option*> before = app.get_options();
+void declareInputOptions(CLI::App& app, BuildChoices& choices) {
   app.add_option("--model", choices.model,
                  "Folder of the COLMAP model; without it, sparse and sparse/0 are looked for in PHOTOS and beside it")
       ->type_name("DIR");
@@ -74,6 +73,15 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       ->type_name("FILE")
       ->excludes("--model")
       ->excludes("--transforms");
+  app.add_option("--masks", choices.build.masks,
+                 "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
+                 "neither matched nor shown")
+      ->type_name("DIR");
+}
+
+std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
+  const std::vector<CLI::Option*> before = app.get_options();
+  declareInputOptions(app, choices);
   app.add_option("--colmap", choices.build.colmap, "Program that estimates poses where there are none [colmap]")
       ->type_name("PROGRAM");
   addChoice<TrackSource>(
@@ -90,10 +98,6 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
       "How photographs that EXIF says are turned lie before their cameras: as stored (COLMAP), or upright [auto: as "
       "their shapes say]");
-  app.add_option("--masks", choices.build.masks,
-                 "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
-                 "neither matched nor shown")
-      ->type_name("DIR");
   addChoice<bool>(app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
                   "Mask who moved, people and cars, where another photograph shows the place without them; who hides what "
                   "none shows is seen as one photograph has him [keep]");

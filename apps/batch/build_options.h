@@ -21,7 +21,10 @@ struct BuildChoices {
   std::string optimise;  // the optimiser's method; empty: cells stay as they are matched
 };
 
-/// All but the photographs' and the scene's folder. Gives what it declared.
+/// What lies beside the photographs: --model, --transforms or --panoramas, and --masks.
+void declareInputOptions(CLI::App& app, BuildChoices& choices);
+
+/// All (those, too) but the photographs' and the scene's folder. Gives what it declared.
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
 
 /// Refines the poses of a build, where they are estimates, and writes the model to `folder`, for the build to read. The

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/check.h"
+#include "batch/build_options.h"
 #include "batch/command.h"
 #include "batch/findings.h"
 #include "ibr/asset.h"
@@ -43,7 +44,11 @@ void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
     findings.add({adviceKindName(one.kind), one.severity, one.sentence, one.remedy, kExitInvalidInput});
 }
 
-ExitCode examine(const std::string& path, const Context& context) {
+ExitCode examine(const std::string& path, const BuildChoices& choices, const Context& context) {
+  const bool beside = !choices.model.empty() || !choices.transforms.empty() || !choices.panoramas.empty() ||
+                      !choices.build.masks.empty();
+  check(!beside || (!path.empty() && !assetKind(path)), ErrorCode::invalidInput,
+        "--model, --transforms, --panoramas and --masks go with a folder of photographs");
   Findings findings;
   std::error_code ignored;
   if (path.empty()) {
@@ -54,7 +59,7 @@ ExitCode examine(const std::string& path, const Context& context) {
     check(fs::exists(path, ignored), ErrorCode::io, "{}: there is no such folder or file", path);
     check(fs::is_directory(path, ignored), ErrorCode::unsupported,
           "{}: is neither a folder of photographs nor a scene; ibr info tells of a picture", path);
-    examinePhotographs(path, findings, context);
+    examinePhotographs(path, choices, findings, context);
   }
   findings.print(context);
   nlohmann::ordered_json json = findings.json();
@@ -68,7 +73,8 @@ ExitCode examine(const std::string& path, const Context& context) {
 const Command kDoctorCommand{
     .name = "doctor",
     .summary = "Says what is wrong with this machine, a folder of photographs or a scene, and what to do about it",
-    .examples = "ibr doctor\nibr doctor photographs\nibr doctor scene\nibr doctor photographs --json findings.json",
+    .examples = "ibr doctor\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 --masks masks\n"
+        "ibr doctor scene\nibr doctor photographs --json findings.json",
     .details =
         "Sentences with a remedy each, the gravest first: !! is serious, ! makes pictures worse, - is a hint. Exit "
         "code 0 "
@@ -78,7 +84,9 @@ const Command kDoctorCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto path = std::make_shared<std::string>();
       app.add_option("FOLDER_OR_SCENE", *path, "Folder of photographs, or a scene; without one, the machine");
-      return [path](const Context& context) { return examine(*path, context); };
+      const auto choices = std::make_shared<BuildChoices>();
+      declareInputOptions(app, *choices);
+      return [path, choices](const Context& context) { return examine(*path, *choices, context); };
     }};
 
 }  // namespace ibr::app

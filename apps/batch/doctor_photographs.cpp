@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "author/picture_folder.h"
+#include "author/read_poses.h"
 #include "base/check.h"
 #include "base/median.h"
 #include "batch/build_options.h"
@@ -222,17 +223,16 @@ std::vector<std::string> namesFor(const PosedModel& model, const std::vector<Loo
 }
 
 void posesOf(const fs::path& folder, const std::vector<Looked>& all, const std::vector<PictureFolder::Unread>& unread,
-             Findings& findings, const Context& context) {
-  BuildChoices choices;
-  BuildOptions build;
+             const BuildChoices& choices, Findings& findings, const Context& context) {
   try {
-    build = buildOptionsOf(choices, folder, context);
-    if (build.model.empty()) {
+    const BuildOptions build = buildOptionsOf(choices, folder, context);
+    const fs::path file = posesFile(build);
+    if (file.empty()) {
       findings.fact("no poses beside them: ibr build estimates them with the program COLMAP");
       return;
     }
-    const PosedModel model = readColmapModel(build.model);
-    findings.fact(fmt::format("poses: {}, {} photographs and {} points", build.model.string(), model.images.size(),
+    const PosedModel model = readPoses(build, context.log());
+    findings.fact(fmt::format("poses: {}, {} photographs and {} points", file.string(), model.images.size(),
                               model.tracks.size()));
     examinePoses(model, namesFor(model, all, unread, findings), findings);
   } catch (const Error& e) {
@@ -244,7 +244,8 @@ void posesOf(const fs::path& folder, const std::vector<Looked>& all, const std::
 
 }  // namespace
 
-void examinePhotographs(const fs::path& folder, Findings& findings, const Context& context) {
+void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Findings& findings,
+                        const Context& context) {
   PictureFolder found;
   try {
     found = lookInto(folder);
@@ -274,7 +275,8 @@ void examinePhotographs(const fs::path& folder, Findings& findings, const Contex
   lenses(good, findings);
   sharpness(good, findings);
   repetitions(good, findings);
-  posesOf(folder, all, found.unread, findings, context);
+  posesOf(folder, all, found.unread, choices, findings, context);
+  if (!choices.build.masks.empty()) examineMasks(choices.build.masks, all, findings);
 }
 
 }  // namespace ibr::app

@@ -14,6 +14,9 @@
 
 namespace ibr::app {
 
+struct BuildChoices;
+struct Looked;
+
 struct Finding {
   std::string subject;  // "device", "memory", "file", "exposure", …: of reports
   Severity severity;
@@ -47,9 +50,13 @@ std::string someOf(const std::vector<std::string>& names);
 /// Devices, drivers, the programs that ibr starts, memory, disk, display, headset.
 void examineMachine(Findings& findings, const Context& context);
 
-/// A folder of photographs, and their poses where there are some in it or beside it. Throws Error{io} where the folder
-/// cannot be read, Error{cancelled}.
-void examinePhotographs(const std::filesystem::path& folder, Findings& findings, const Context& context);
+/// A folder of photographs, and their poses and masks, where they are given or, poses, found in it or beside it. Throws
+/// Error{io} where a folder cannot be read, Error{cancelled}.
+void examinePhotographs(const std::filesystem::path& folder, const BuildChoices& choices, Findings& findings,
+                        const Context& context);
+
+/// Masks that a build could not use, and those of no photograph. Throws Error{io} where there is no such folder.
+void examineMasks(const std::filesystem::path& folder, const std::vector<Looked>& photographs, Findings& findings);
 
 /// Poses: photographs without one, errors of points, parts that share nothing, steps too large for what is near.
 /// `pictures`: names of those that there are, sorted.

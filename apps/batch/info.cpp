@@ -148,6 +148,16 @@ void showExposures(const Scene& scene, Json& report, const Context& context) {
     context.print("none measured\n");
 }
 
+// Last: panoramas to add have no such file, which is told once all else is written.
+void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const Context& context) {
+  if (advice.views.empty()) {
+    context.say(LogLevel::warning, "there is no photograph to add: {} is not written", file);
+    return;
+  }
+  writeNextViews(file, advice);
+  context.say(LogLevel::info, "the photographs to add are in {}", file);
+}
+
 ExitCode showScene(const Options& options, const Context& context) {
   if (isImageFile(options.scene)) {
     check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
@@ -253,15 +263,12 @@ ExitCode showScene(const Options& options, const Context& context) {
     context.print("\nadvice\n{}", adviceText(advice));
     report["capture"] = adviceJson(scene, advice);
   }
-  if (!options.advicePoses.empty()) {
-    writeNextViews(options.advicePoses, advice);
-    context.say(LogLevel::info, "the photographs to add are in {}", options.advicePoses);
-  }
   if (!options.svg.empty()) {
     writeFile(options.svg, graphSvg(scene, advice));
     context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
   }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);
   return kExitOk;
 }
 

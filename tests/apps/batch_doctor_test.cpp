@@ -10,6 +10,7 @@
 
 #include "../unit/io/unusual_files.h"
 #include "base/file.h"
+#include "ibr/scene.h"
 #include "io/image_file.h"
 #include "run_program.h"
 #include "support/temporary_folder.h"
@@ -158,6 +159,58 @@ TEST_CASE("doctor finds nothing amiss with a good folder, and each trouble of a 
     CHECK(spoilt.subjects == Subjects{"poses"});
     CHECK_THAT(spoilt.text, Contains("images.txt"));
   }
+}
+
+TEST_CASE("doctor takes the poses and masks that a build takes") {
+  test::TemporaryFolder folder;
+  const fs::path photographs = folder / "in/row", masks = folder / "masks";
+  fs::create_directories(photographs);
+  test::makeRow(photographs);
+  fs::rename(photographs / "sparse", folder / "elsewhere");
+  CHECK_THAT(runProgram({"doctor", photographs}).out, Contains("no poses beside them"));
+  CHECK_THAT(runProgram({"doctor", photographs, "--model", folder / "elsewhere"}).out,
+             Contains("elsewhere, 5 photographs and") && Contains("nothing is amiss"));
+  const Diagnosis unread = doctor({photographs, "--transforms", folder / "transforms.json"});
+  CHECK(unread.code == 3);
+  CHECK_THAT(unread.text, Contains("transforms.json"));
+
+  CHECK(doctor({photographs, "--masks", masks}).code == 2);
+  fs::create_directories(masks);
+  writeImage(masks / "row1.png", Image8(192, 144, 1));
+  const auto good = runProgram({"doctor", photographs, "--masks", masks});
+  CHECK_THAT(good.out, Contains("masks: 1 of 5 photographs have one") && Contains("nothing is amiss"));
+  writeImage(masks / "row2.png.png", Image8(96, 72, 1));
+  writeImage(masks / "rwo3.png", Image8(192, 144, 1));
+  const Diagnosis wrong = doctor({photographs, "--masks", masks});
+  CHECK(wrong.code == 3);
+  CHECK(wrong.subjects == Subjects{"masks"});
+  CHECK_THAT(wrong.text, Contains("row2.png.png is 96×72 px, and row2.png is 192×144 px.") &&
+                             Contains("1 of the masks are of no photograph here: rwo3.png."));
+  CHECK(doctor({"--masks", masks}).code == 3);
+}
+
+TEST_CASE("info writes all else that is asked before poses to add, of which there may be none") {
+  test::TemporaryFolder folder;
+  const fs::path svg = folder / "graph.svg", json = folder / "info.json";
+  const std::vector<std::string> line{"info", test::tinyScene(), "--svg", svg, "--json", json, "--advice-poses"};
+  auto words = line;
+  words.push_back(folder / "no/such/folder/next.json");
+  CHECK(runProgram(words).code == 2);
+  CHECK((fs::exists(svg) && fs::exists(json)));
+
+  Scene far = loadScene(test::tinyScene());  // all is so far away that a step shows nothing new
+  for (Cell& cell : far.cells) {
+    std::ranges::fill(cell.mesh.inverseDistance, 0.0f);
+    for (auto& ratio : cell.mesh.ratio) std::ranges::fill(ratio, 1.0f);
+  }
+  far.backdrops.clear();
+  fs::copy(test::tinyScene(), folder / "far", fs::copy_options::recursive);
+  saveScene(far, folder / "far");
+  const auto none = runProgram({"info", folder / "far", "--advice-poses", folder / "next.json"});
+  INFO(none.err);
+  CHECK(none.code == 0);
+  CHECK_THAT(none.err, Contains("there is no photograph to add"));
+  CHECK_FALSE(fs::exists(folder / "next.json"));
 }
 
 TEST_CASE("doctor reads what the camera wrote down: exposure and zoom") {

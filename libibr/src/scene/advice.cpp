@@ -79,11 +79,19 @@ class Adviser {
     result_.shown = walk_.shown();
     result_.views = nextViews(scene_, places_, walk_, options.views, kLeastGain);
     result_.shownThen = walk_.shown();
+    for (const WayRemedy& remedy : remedies_) agree(remedy);
     sort();
     return std::move(result_);
   }
 
  private:
+  struct WayRemedy {
+    std::size_t advice;  // in result_, before it is sorted
+    const Way* way;
+    std::uint32_t i, j;  // photographs at its ends
+    std::size_t more;    // to take between them
+  };
+
   const std::string& name(std::uint32_t node) const { return scene_.nodes[node].name; }
 
   void put(AdviceKind kind, Severity severity, std::vector<std::uint32_t> nodes, double figure, std::string sentence,
@@ -120,6 +128,7 @@ class Adviser {
           fmt::format("All {} photographs were taken from one place, by turning the camera.", count),
           "Nothing can be shown from anywhere else. Step aside by a tenth of the distance to what is near, and take "
           "them again from there.");
+      unused();
       return true;
     }
     if (!scene_.cells.empty()) return false;
@@ -221,7 +230,31 @@ class Adviser {
                               between),
             more == 1 ? std::string("Take one more halfway between them.")
                       : fmt::format("Take {} more between them, evenly spaced.", more));
+      if (way.joined || angle <= kTurnLess) remedies_.push_back({result_.advice.size() - 1, &way, i, j, more});
     }
+  }
+
+  // Where one or two more are enough, the remedy is what is chosen between them: the estimate may like thirds better.
+  void agree(const WayRemedy& remedy) {
+    const glm::dvec3 from = places_.places[remedy.way->a].position,
+                     along = places_.places[remedy.way->b].position - from;
+    std::set<int> sixths;  // of the way
+    for (const NextView& view : result_.views) {
+      const glm::dvec3 to = view.camera.pose.position - from;
+      const double t = glm::dot(to, along) / glm::dot(along, along);
+      if (t > 0.1 && t < 0.9 && glm::distance(to, t * along) < 1e-6 * remedy.way->length)
+        sixths.insert(int(std::lround(6 * t)));
+    }
+    if (sixths.empty() || remedy.more > 2) return;
+    std::string& text = result_.advice[remedy.advice].remedy;
+    if (sixths.size() > 1)
+      text = sixths == std::set{2, 4} ? "Take two more between them, a third of the way from either."
+                                      : fmt::format("Take {} more between them, evenly spaced.", sixths.size());
+    else if (*sixths.begin() == 3)
+      text = "Take one more halfway between them.";
+    else
+      text = fmt::format("Take one more between them, a third of the way from {}.",
+                         name(*sixths.begin() < 3 ? remedy.i : remedy.j));
   }
 
   // At each place: what its neighbours show and it does not.
@@ -356,6 +389,7 @@ class Adviser {
   std::vector<bool> used_;
   const std::vector<std::vector<std::uint32_t>> mates_;  // of each node those that share a cell with it
   std::vector<std::uint32_t> part_;                      // of each place
+  std::vector<WayRemedy> remedies_;
   CaptureAdvice result_;
 };
 

@@ -149,6 +149,27 @@ TEST_CASE("neighbours that are too far apart are named, and the first photograph
   }
 }
 
+TEST_CASE("where one or two more are enough, the remedy is what is among those to add") {
+  for (const double gap : {1.8, 2.2, 2.6}) {
+    std::vector<Camera> cameras = grid(4, 0.5);
+    for (const std::size_t c : {2, 3, 6, 7}) cameras[c].pose.position.x += gap - 0.5;
+    const CaptureAdvice advice = adviseCapture(ofWall(cameras, gridCells(4)).scene);
+    for (const Advice& one : advice.advice) {
+      if (one.kind != AdviceKind::wide) continue;
+      std::size_t thirds = 0, halves = 0;
+      for (const NextView& view : advice.views) {
+        const std::set<std::uint32_t> beside(view.beside.begin(), view.beside.end());
+        if (beside != std::set<std::uint32_t>(one.nodes.begin(), one.nodes.end())) continue;
+        thirds += view.where.starts_with("a third of the way");
+        halves += view.where.starts_with("halfway");
+      }
+      INFO(gap << ": " << one.remedy << ' ' << halves << " halfway, " << thirds << " at a third");
+      CHECK((one.remedy.find("halfway") != std::string::npos) == (halves == 1 && thirds == 0));
+      CHECK((one.remedy.find("a third of the way") != std::string::npos) == (thirds > 0 && halves == 0));
+    }
+  }
+}
+
 TEST_CASE("too few photographs, or all of them from one place") {
   CHECK(kinds(adviseCapture(Scene{})) == std::set<std::string>{"tooFew"});
   Scene one;
@@ -161,6 +182,8 @@ TEST_CASE("too few photographs, or all of them from one place") {
   Scene turned = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}, {1, 2}}).scene;
   for (Node& node : turned.nodes) node.camera.pose.position = {0, 0, 0};
   CHECK(kinds(adviseCapture(turned)) == std::set<std::string>{"turned"});
+  turned.unused = {{"elsewhere.jpg", "the poses do not know it"}};
+  CHECK(kinds(adviseCapture(turned)) == std::set<std::string>{"turned", "unused"});
 
   Scene loose = ofWall({ahead(0), ahead(0.2), ahead(0.4)}, {{0, 1}}).scene;
   loose.cells.clear();
