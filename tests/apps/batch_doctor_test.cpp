@@ -256,7 +256,8 @@ TEST_CASE("doctor calls a photograph blurred beside those of its size that look 
   for (int i = 0; i < 6; ++i) shoot("p" + std::to_string(i) + "_b.jpg", 40, i == 2, 240 + 8 * (i % 2));
   shoot("p2_b.jpg", 4, true, 240);  // plain, as nothing else that looks this way
   CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
-  shoot("p3_b.jpg", 4, false, 320);  // plain, as nothing else of its size
+  shoot("p3_b.jpg", 4, false, 320);  // plain, and what looks like it has another size
+  for (const char* name : {"q0.jpg", "q1.jpg", "q2.jpg"}) shoot(name, 40, true, 320);
   CHECK_THAT(doctor({folder.path()}).text, !Contains("blurred"));
   shoot("p4_b.jpg", 4, false, 240, 4);
   CHECK_THAT(doctor({folder.path()}).text,
