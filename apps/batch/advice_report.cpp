@@ -29,11 +29,11 @@ std::string adviceText(const CaptureAdvice& advice) {
   for (const Advice& one : advice.advice) ++total[one.kind];
   for (const Advice& one : advice.advice) {
     if (++told[one.kind] <= kMostOfAKind)
-      text += fmt::format("{} {} {}\n",
+      text += fmt::format("{} {}{}{}\n",
                           one.severity == Severity::hint      ? "-"
                           : one.severity == Severity::warning ? "!"
                                                               : "!!",
-                          one.sentence, one.remedy);
+                          one.sentence, one.remedy.empty() ? "" : " ", one.remedy);
     if (told[one.kind] == kMostOfAKind + 1)
       text += fmt::format("  and {} more of this kind (all of them: --json)\n", total[one.kind] - kMostOfAKind);
   }

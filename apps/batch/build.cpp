@@ -37,7 +37,7 @@ std::string predictionText(const BuildPrediction& p) {
   std::string text =
       fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs, p.megapixels,
                   p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
-  if (!p.posesKnown) text += "poses are estimated first, which may take long; then ";
+  if (!p.posesKnown) text += "poses are estimated first by COLMAP, which may take long, and memory of its own; then ";
   text += fmt::format("about {} on {} threads, at most {} of memory and {} of the disk", durationText(p.seconds),
                       p.threads, bytesText(p.memory), bytesText(p.disk));
   return p.diskFree > 0 ? text + fmt::format(" ({} free)", bytesText(p.diskFree)) : text;

@@ -73,6 +73,13 @@ PosedModel readPanoramas(const std::filesystem::path& file);
 PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
                           Border border = Border::crop);
 
+/// How photographs lie in their files, in relation to the model's cameras.
+enum class Orientation : std::uint8_t {
+  automatic,  // as their shapes say; where both fit (half turns, squares), as the other photographs of the set
+  stored,     // the cameras are those of the pictures as stored, whatever EXIF says: COLMAP's way
+  exif,       // the cameras are those of the pictures turned upright as EXIF says
+};
+
 /// Poses by the program COLMAP (3.8 or later), which does its work on the processor.
 struct PoseOptions {
   std::filesystem::path photographs;  // folder; pictures below it are taken, too
@@ -80,6 +87,8 @@ struct PoseOptions {
   std::string program = "colmap";     // looked for along PATH, unless it names a folder
   int threads = 0;                    // 0 = all cores
   std::filesystem::path without;      // pictures below this folder are not meant; may be empty
+  std::vector<std::string> exclude = {};  // names that are not meant either
+  Orientation orientation = Orientation::automatic;  // turned upright, as EXIF says, unless it is `stored`
   std::filesystem::path masks = {};   // folder of masks (author/masks.h): no features are looked for under them
 };
 struct PoseReport {
@@ -90,9 +99,10 @@ struct PoseReport {
 };
 
 /// Finds features, matches them (all pairs of up to 60 photographs, else neighbours in the order of their names) and
-/// estimates poses. Photographs that are all of one size are taken for those of one lens. A step that is finished is not
+/// estimates poses, of upright pictures. Photographs that are all of one size are taken for those of one lens. A step that is finished is not
 /// done again while the photographs stay as they are; one that is cancelled ends the program. Throws Error: io where the
-/// program is missing or fails (with its last lines), invalidInput where it finds no poses, cancelled.
+/// program is missing or fails (with its last lines), invalidInput where it finds no poses or photographs cannot be read
+/// (all of them are named, before the program is run), cancelled.
 PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 /// Where points come from that two or more photographs see.
@@ -120,13 +130,6 @@ enum class TriangleFilter : std::uint8_t {
   homogeneous,  // of these, in cells with planes (MorphMesh::planes), those whose corners share one
 };
 
-/// How photographs lie in their files, in relation to the model's cameras.
-enum class Orientation : std::uint8_t {
-  automatic,  // as their shapes say; where both fit (half turns, squares), as the other photographs of the set
-  stored,     // the cameras are those of the pictures as stored, whatever EXIF says: COLMAP's way
-  exif,       // the cameras are those of the pictures turned upright as EXIF says
-};
-
 /// What is done to a scene when it is whole and not yet written; its photographs stand in its folder. Cells' meshes and
 /// qualities may change. What a stopped build need not do again may be kept in `finished` (optimiseCells does).
 using SceneFinisher = std::function<void(Scene& scene, const std::filesystem::path& finished,
@@ -146,7 +149,7 @@ struct BuildPrediction {
   std::vector<Stage> stages;
   double seconds = 0, processorSeconds = 0;
   double memory = 0, memoryAllowed = 0;  // at most; allowed by BuildOptions::memory
-  double disk = 0, diskFree = 0;         // below the scene's folder, while it is made
+  double disk = 0, diskFree = 0;  // below the scene's folder, while it is made; free, or held by this scene already
 };
 
 struct BuildOptions {

@@ -90,6 +90,9 @@ struct GeographicOrigin {
 };
 
 /// A photograph that no cell shows.
+/// Why a photograph is not used of which nothing else is known to be wrong.
+inline constexpr const char* kNotRegistered = "not registered: the model has no pose for it";
+
 struct UnusedPhotograph {
   std::string name;    // a node's, or that of a file which the poses do not know
   std::string reason;  // for people

@@ -127,14 +127,11 @@ class Builder {
       try {
         input_.hashes[i] = storePhotograph(input_.photographs[i], options_.output, options_.texture);
       } catch (const Error& error) {
-        if (error.code() != ErrorCode::invalidInput && error.code() != ErrorCode::unsupported) throw;
+        if (!isOfFile(error)) throw;
         faults[i] = error.what();
       }
     });
-    std::erase(faults, "");
-    check(faults.size() < 2, ErrorCode::invalidInput, "{} photographs cannot be read (--exclude leaves them out):\n{}",
-          faults.size(), fmt::join(faults, "\n"));
-    check(faults.empty(), ErrorCode::invalidInput, "{} (--exclude leaves it out)", fmt::join(faults, ""));
+    checkReadable(std::move(faults));
     for (const Photograph& photo : input_.photographs)
       scene_.nodes.push_back({photo.name, photo.camera, photo.imageFile, photo.textureFile, photo.capture});
     for (std::size_t n = 0; n < scene_.nodes.size(); ++n)
@@ -361,33 +358,39 @@ class Builder {
   std::vector<std::uint64_t> keys_;  // of scene_.cells
 };
 
-std::filesystem::path estimatedPoses(const BuildOptions& options, const ProgressCallback& progress,
-                                     const LogCallback& log) {
-  return estimatePoses({options.photographs, options.output / ".poses", options.colmap, options.threads,
-                        options.output / "images", options.masks},
-                       progress, log)
-      .model;
+// With poses, estimated where none are given.
+BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const LogCallback& log) {
+  if (!posesFile(options).empty()) return options;
+  options.model = estimatePoses({.photographs = options.photographs,
+                                 .folder = options.output / ".poses",
+                                 .program = options.colmap,
+                                 .threads = options.threads,
+                                 .without = options.output / "images",
+                                 .exclude = options.exclude,
+                                 .orientation = options.orientation,
+                                 .masks = options.masks},
+                                progress, log)
+                      .model;
+  if (options.orientation == Orientation::automatic) options.orientation = Orientation::exif;  // as they were given
+  return options;
 }
 
 }  // namespace
 
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
-  BuildOptions posed = options;
   checkOptions(options);
   if (const std::string unread = unreadText(lookInto(options.photographs).unread); log && !unread.empty())
     log(LogLevel::warning, unread);
   const double before = processorSeconds();
-  if (posesFile(options).empty()) {
-    if (options.predicted) {
-      const SingleThreadedOpenCv quiet;
-      BuildReport told;
-      told.prediction = predictWithoutPoses(options);
-      if (!options.predicted(told.prediction)) return told;
-    }
-    posed.model = estimatedPoses(options, progress, log);
+  if (posesFile(options).empty() && options.predicted) {
+    const SingleThreadedOpenCv quiet;
+    BuildReport told;
+    told.prediction = predictWithoutPoses(options);
+    if (!options.predicted(told.prediction)) return told;
   }
-  BuildReport report = Builder(posed, progress, log).run();
+  const BuildOptions known = posed(options, progress, log);
+  BuildReport report = Builder(known, progress, log).run();
   report.seconds = watch.seconds();
   report.processorSeconds = processorSeconds() - before;
   report.memory = peakMemory();
@@ -396,9 +399,8 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
 
 RefinedModel refinedModel(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
   checkOptions(options);
-  BuildOptions posed = options;
-  if (posesFile(options).empty()) posed.model = estimatedPoses(options, progress, log);
-  return Builder(posed, progress, log).runForPoses();
+  const BuildOptions known = posed(options, progress, log);
+  return Builder(known, progress, log).runForPoses();
 }
 
 }  // namespace ibr

@@ -2,6 +2,7 @@
 #include "author/build_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -16,6 +17,7 @@
 #include "author/posed_model.h"
 #include "author/read_poses.h"
 #include "base/check.h"
+#include "base/file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -41,10 +43,53 @@ std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOpti
       unknown.push_back({utf8Of(name), reason});
   };
   const PictureFolder folder = lookInto(options.photographs);
-  for (const std::string& name : folder.pictures) add(name, "not registered: the model has no pose for it");
+  for (const std::string& name : folder.pictures) add(name, std::string(kNotRegistered));
   for (const auto& [name, reason] : folder.unread) add(name, reason);
   std::ranges::sort(unknown, {}, &UnusedPhotograph::name);
   return unknown;
+}
+
+// "IMG_1.jpg (there it is IMG_1.JPG), …": names of the model that the folder has not.
+std::string missingText(const std::vector<std::string>& missing, const fs::path& folder) {
+  constexpr std::size_t kNamed = 5;
+  const auto lowered = [](std::string text) {
+    for (char& c : text)
+      if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return text;
+  };
+  std::map<std::string, std::string> there;
+  for (const std::string& name : lookInto(folder).pictures) there.emplace(lowered(name), name);
+  std::vector<std::string> named;
+  for (std::size_t i = 0; i < std::min(missing.size(), kNamed); ++i) {
+    const auto found = there.find(lowered(missing[i]));
+    named.push_back(missing[i] + (found == there.end() ? "" : " (there it is " + found->second + ")"));
+  }
+  return fmt::format("{}{}", fmt::join(named, ", "),
+                     missing.size() > kNamed ? fmt::format(" and {} more", missing.size() - kNamed) : "");
+}
+
+// All faults are told at once.
+void findPhotographs(BuildInput& input, const BuildOptions& options) {
+  std::vector<std::string> missing, faults;
+  for (const PosedImage& image : input.model.images) {
+    std::error_code ignored;
+    if (!fs::exists(pathInside(options.photographs, image.name), ignored)) {
+      missing.push_back(image.name);
+      continue;
+    }
+    try {
+      input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
+    } catch (const Error& error) {
+      if (!isOfFile(error)) throw;
+      faults.push_back(error.what());
+    }
+  }
+  check(missing.empty(), ErrorCode::io,
+        "{}: {} of the model's {} photographs are missing there: {}. Is it the folder that the model's names start "
+        "from? --exclude leaves photographs out",
+        options.photographs.string(), missing.size(), input.model.images.size(),
+        missing.empty() ? "" : missingText(missing, options.photographs));
+  checkReadable(std::move(faults));
 }
 
 // Where a photograph's own shape does not say how it is turned, the others' do, if they agree.
@@ -141,8 +186,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   removeImages(input.model, toLeaveOut(input.model, options));
   check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
         posesFile(options).string());
-  for (const PosedImage& image : input.model.images)
-    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
+  findPhotographs(input, options);
   settleOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);
   findMasks(input.photographs, options, log);

@@ -51,6 +51,23 @@ double freeBelow(fs::path folder) {
   return error ? 0 : double(space.available);
 }
 
+double bytesBelow(const fs::path& folder) {
+  std::error_code error;
+  double bytes = 0;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_regular_file(ignored) && !at->is_symlink(ignored)) bytes += double(at->file_size(ignored));
+  }
+  return bytes;
+}
+
+// By what an earlier build of this scene left, which is taken over or replaced.
+double heldAlready(const BuildOptions& options) {
+  double bytes = 0;
+  for (const char* part : {"cells", "images", "textures", "masks", ".build"}) bytes += bytesBelow(options.output / part);
+  return bytes;
+}
+
 class Predictor {
  public:
   Predictor(const BuildInput& input, const BuildOptions& options, const CellPlan* plan)
@@ -64,7 +81,7 @@ class Predictor {
     work_.exposures = options_.matchExposures || options_.fitVignetting;
     work_.photographs = made_.photographs = input_.photographs.size();
     made_.memoryAllowed = memoryBudget(options_.memory);
-    made_.diskFree = freeBelow(options_.output);
+    made_.diskFree = freeBelow(options_.output) + heldAlready(options_);
     shareOut();
     return std::move(made_);
   }
@@ -190,11 +207,15 @@ BuildPrediction predictBuild(const BuildInput& input, const BuildOptions& option
 
 BuildPrediction predictWithoutPoses(const BuildOptions& options) {
   BuildInput input;
+  std::vector<std::string> faults;
   for (const std::string& name : lookInto(options.photographs).pictures) {
+    if (std::ranges::find(options.exclude, name) != options.exclude.end()) continue;
     ImageFileInfo info;
     try {
       info = probeImage(options.photographs / name);
-    } catch (const Error&) {  // is told where poses are estimated
+    } catch (const Error& error) {
+      if (!isOfFile(error)) throw;
+      faults.push_back(error.what());
       continue;
     }
     const bool turned = info.orientation >= 5;
@@ -203,26 +224,30 @@ BuildPrediction predictWithoutPoses(const BuildOptions& options) {
     input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
     input.model.images.push_back(std::move(image));
   }
+  checkReadable(std::move(faults));
+  checkEnoughForPoses(options.photographs, input.photographs.size());
   BuildPrediction prediction = predictBuild(input, options, nullptr);
   prediction.posesKnown = false;
   return prediction;
 }
 
 void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log) {
-  const auto gigabytes = [](double bytes) { return fmt::format("{:.1f} GB", bytes / 1e9); };
+  const auto text = [](double bytes) {
+    return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+  };
   check(prediction.diskFree <= 0 || prediction.disk <= 1.5 * prediction.diskFree, ErrorCode::io,
-        "{}: the scene takes about {} of the disk, which has {} left. --texture bc7 takes a quarter for textures, "
+        "{}: the scene takes about {} of the disk, which has {} for it. --texture bc7 takes a quarter for textures, "
         "--max-size makes photographs smaller",
-        options.output.string(), gigabytes(prediction.disk), gigabytes(prediction.diskFree));
+        options.output.string(), text(prediction.disk), text(prediction.diskFree));
   if (!log) return;
   if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
-    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, {} are left",
-                                       gigabytes(prediction.disk), gigabytes(prediction.diskFree)));
+    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, there are {}",
+                                       text(prediction.disk), text(prediction.diskFree)));
   if (prediction.memory > prediction.memoryAllowed)
     log(LogLevel::warning,
         fmt::format("up to {} of memory are needed even one job at a time, more than the {} that are allowed: "
                     "--max-size makes photographs smaller, --memory allows more",
-                    gigabytes(prediction.memory), gigabytes(prediction.memoryAllowed)));
+                    text(prediction.memory), text(prediction.memoryAllowed)));
 }
 
 }  // namespace ibr

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "author/masks.h"
+#include "author/parallel.h"
+#include "author/photographs.h"
 #include "author/picture_folder.h"
 #include "base/check.h"
 #include "base/child_process.h"
@@ -22,10 +24,12 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 1;        // of the steps: raise it when they come out differently
+constexpr std::uint64_t kVersion = 2;        // of the steps: raise it when they come out differently
 constexpr std::size_t kMostExhaustive = 60;  // photographs that are all matched with each other
 constexpr std::size_t kBlocks = 8;           // of photographs, matched two by two
 constexpr std::size_t kLinesInErrors = 12;
+constexpr double kBytesPerPixel = 14;         // that reading and turning a photograph take
+constexpr const char* kLooking = "looking at photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
 constexpr const char* kMapping = "estimating poses with COLMAP";
@@ -83,10 +87,11 @@ class Estimator {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
     check(!options_.folder.empty(), ErrorCode::invalidInput, "no folder is named for what COLMAP makes");
     names_ = lookInto(options_.photographs).pictures;
-    std::erase_if(names_,
-                  [&](const std::string& name) { return isWithin(options_.photographs / name, options_.without); });
-    check(names_.size() >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
-          options_.photographs.string(), names_.size());
+    std::erase_if(names_, [&](const std::string& name) {
+      return isWithin(options_.photographs / name, options_.without) ||
+             std::ranges::find(options_.exclude, name) != options_.exclude.end();
+    });
+    checkEnoughForPoses(options_.photographs, names_.size());
     prepare();
     if (!fs::exists(file("mapper.done"))) {
       findFeatures();
@@ -101,29 +106,106 @@ class Estimator {
 
   // What was made of other photographs, or in another way, is thrown away.
   void prepare() {
-    Hash hash;
-    hash.add(kVersion);
-    for (const std::string& name : names_) {
-      const fs::path path = options_.photographs / name;
-      hash.add(std::string_view(name));
-      hash.add(std::uint64_t(fs::file_size(path)));
-      hash.add(std::int64_t(fs::last_write_time(path).time_since_epoch().count()));
-      if (const auto mask = options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name))
-        hash.add(readFile(*mask));
-      const ImageFileInfo info = probeImage(path);
-      if (name == names_.front()) width_ = info.width, height_ = info.height;
-      sameSize_ = sameSize_ && info.width == width_ && info.height == height_;
-    }
-    const std::string key = fmt::format("{:016x}\n", hash.value());
+    probe();
+    const std::string key = fmt::format("{:016x}\n", hash());
     const bool ours = fs::exists(file("key"));
     check(ours || !fs::exists(options_.folder) || fs::is_empty(options_.folder), ErrorCode::invalidInput,
           "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
     if (ours && readTextFile(file("key")) != key) fs::remove_all(options_.folder);
     makeFolders(options_.folder);
+    if (!fs::exists(file("photographs.txt"))) {
+      look();
+      std::string list;
+      for (const std::string& name : names_) list += name + '\n';
+      writeFile(file("photographs.txt"), list);
+    }
     writeFile(file("key"), key);
-    std::string list;
-    for (const std::string& name : names_) list += name + '\n';
-    writeFile(file("photographs.txt"), list);
+  }
+
+  void probe() {
+    std::vector<std::string> faults(names_.size());
+    infos_.resize(names_.size());
+    for (std::size_t i = 0; i < names_.size(); ++i) tell(faults[i], [&] { infos_[i] = probeImage(source(names_[i])); });
+    checkReadable(std::move(faults));
+  }
+
+  std::uint64_t hash() const {
+    Hash hash;
+    hash.add(kVersion);
+    hash.add(options_.orientation == Orientation::stored);
+    for (const std::string& name : names_) {
+      hash.add(std::string_view(name));
+      hash.add(std::uint64_t(fs::file_size(source(name))));
+      hash.add(std::int64_t(fs::last_write_time(source(name)).time_since_epoch().count()));
+      if (const auto mask = maskOf(name)) hash.add(readFile(*mask));
+    }
+    return hash.value();
+  }
+
+  // Damage is found before hours go into the others. Where some are to be turned, all stand in a folder of ours.
+  void look() {
+    double most = 0;
+    for (const ImageFileInfo& info : infos_) most = std::max(most, double(info.width) * info.height);
+    const bool turns = turnsAny();
+    fs::remove_all(file("upright"));
+    std::vector<std::string> faults(names_.size());
+    const bool finished = runJobs(
+        names_.size(), threadsFor(options_.threads, kBytesPerPixel * most),
+        [&](std::size_t i) {
+          tell(faults[i], [&] {
+            if (!turns)
+              readImage(source(names_[i]));
+            else
+              copyUpright(i);
+          });
+        },
+        [&](std::size_t done) { return wanted(kLooking, done, names_.size()); });
+    check(finished, ErrorCode::cancelled, "{} was cancelled", kLooking);
+    checkReadable(std::move(faults));
+  }
+
+  void copyUpright(std::size_t i) const {
+    const fs::path to = file("upright") / names_[i];
+    makeFolders(to.parent_path());
+    if (isTurned(i)) return writeUpright(source(names_[i]), to);
+    readImage(source(names_[i]));
+    fs::create_symlink(fs::absolute(source(names_[i])), to);
+  }
+
+  template <class F>
+  static void tell(std::string& fault, F&& read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      if (!isOfFile(error)) throw;
+      fault = error.what();
+    }
+  }
+
+  fs::path source(const std::string& name) const { return options_.photographs / name; }
+  std::optional<fs::path> maskOf(const std::string& name) const {
+    return options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name);
+  }
+  bool isTurned(std::size_t i) const {
+    return options_.orientation != Orientation::stored && infos_[i].orientation != 1;
+  }
+  bool turnsAny() const {
+    for (std::size_t i = 0; i < infos_.size(); ++i)
+      if (isTurned(i)) return true;
+    return false;
+  }
+  // Where COLMAP finds the photographs.
+  fs::path pictures() const { return turnsAny() ? file("upright") : options_.photographs; }
+
+  // Of the upright pictures, too.
+  bool sameSize() const {
+    const auto size = [this](std::size_t i) {
+      const bool swaps = isTurned(i) && infos_[i].orientation >= 5;
+      return swaps ? std::pair(infos_[i].height, infos_[i].width) : std::pair(infos_[i].width, infos_[i].height);
+    };
+    for (std::size_t i = 1; i < infos_.size(); ++i)
+      if (size(i) != size(0)) return false;
+    return true;
   }
 
   bool wanted(const char* stage, std::size_t done, std::size_t total) const {
@@ -187,11 +269,14 @@ class Estimator {
   // Under the names that COLMAP looks for. False where there are none.
   bool copyMasks() const {
     bool any = false;
-    for (const std::string& name : names_)
-      if (const auto mask = options_.masks.empty() ? std::nullopt : maskFileOf(options_.masks, name)) {
-        const fs::path to = file("masks") / (name + ".png");
+    for (std::size_t i = 0; i < names_.size(); ++i)
+      if (const auto mask = maskOf(names_[i])) {
+        const fs::path to = file("masks") / (names_[i] + ".png");
         makeFolders(to.parent_path());
-        writeFile(to, readFile(*mask));
+        if (isTurned(i))
+          writeImage(to, upright(readImage(*mask), infos_[i].orientation));
+        else
+          writeFile(to, readFile(*mask));
         any = true;
       }
     return any;
@@ -201,8 +286,8 @@ class Estimator {
     learnNames();
     // Photographs of one size are most often of one lens: its focal length is then found more surely.
     std::vector<std::string> arguments{
-        "--database_path",   file("database.db").string(),     "--image_path",                options_.photographs.string(),
-        "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize_ ? "1" : "0",
+        "--database_path",   file("database.db").string(),     "--image_path",                pictures().string(),
+        "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize() ? "1" : "0",
         extraction_ + ".use_gpu", "0", extraction_ + ".num_threads", threads()};
     if (copyMasks()) arguments.insert(arguments.end(), {"--ImageReader.mask_path", file("masks").string()});
     step("feature_extractor", kFeatures, arguments, bracketed);
@@ -236,7 +321,7 @@ class Estimator {
     fs::remove_all(file("sparse"));  // a half-finished one is begun anew
     makeFolders(file("sparse"));
     std::vector<std::string> arguments{
-        "--database_path", file("database.db").string(), "--image_path",         options_.photographs.string(),
+        "--database_path", file("database.db").string(), "--image_path",         pictures().string(),
         "--output_path",   file("sparse").string(),      "--Mapper.num_threads", threads()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     step("mapper", kMapping, arguments, [this](std::string_view text) -> std::optional<Count> {
@@ -280,8 +365,7 @@ class Estimator {
   const ProgressCallback& progress_;
   const LogCallback& log_;
   std::vector<std::string> names_;
-  int width_ = 0, height_ = 0;
-  bool sameSize_ = true;
+  std::vector<ImageFileInfo> infos_;
   std::string extraction_, matching_;
 };
 

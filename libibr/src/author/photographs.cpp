@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/photographs.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -20,7 +23,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kReadingVersion = 2;  // of files: raise it when pictures come out of them differently
-constexpr double kBytesPerPixel = 20;  // picture (3), mips (4 + 4/3) and the encoded texture (as much), the file
+constexpr double kBytesPerPixel = 20;  // picture (3), mips (4 + 4/3) and the encoded texture (as much)
+constexpr double kTiffRaster = 4;      // bytes of a pixel, while it is read
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -85,6 +89,9 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   photo.capture = info.capture;
   int width = info.width, height = info.height;
   photo.sourcePixels = double(width) * height;
+  std::error_code ignored;
+  photo.sourceBytes = double(fs::file_size(photo.source, ignored)) +
+                      (info.format == ImageFormat::tiff ? kTiffRaster * photo.sourcePixels : 0);
   const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);
   const bool turnedFits = swaps ? sameShape(height, width, camera) : storedFits;
   photo.turnUnsure = info.orientation != 1 && storedFits && turnedFits;
@@ -99,11 +106,29 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const int longest = std::max(photo.whole.width, photo.whole.height);
   const bool smaller = maxSize > 0 && longest > maxSize;
   photo.camera = {smaller ? scaled(photo.whole, double(maxSize) / longest) : photo.whole, image.camera.pose};
-  const bool storable = isJpeg(photo.source) || isPng(photo.source);
-  photo.copied = storable && !smaller && !photo.applyOrientation && !photo.lens;
-  photo.imageFile = fs::path("images") / (storable ? image.name : image.name + ".png");
+  const bool calledPng = isPng(photo.source);
+  const bool asCalled = info.format == ImageFormat::png ? calledPng
+                                                          : info.format == ImageFormat::jpeg && isJpeg(photo.source);
+  photo.copied = asCalled && !smaller && !photo.applyOrientation && !photo.lens;
+  photo.imageFile = fs::path("images") / (asCalled || calledPng ? image.name : image.name + ".png");
   photo.textureFile = fs::path("textures") / (image.name + ".ktx2");
   return photo;
+}
+
+void checkReadable(std::vector<std::string> faults) {
+  std::erase(faults, "");
+  check(faults.size() < 2, ErrorCode::invalidInput, "{} photographs cannot be read (--exclude leaves them out):\n{}",
+        faults.size(), fmt::join(faults, "\n"));
+  check(faults.empty(), ErrorCode::invalidInput, "{} (--exclude leaves it out)", fmt::join(faults, ""));
+}
+
+void checkEnoughForPoses(const fs::path& folder, std::size_t photographs) {
+  check(photographs >= 2, ErrorCode::invalidInput, "{}: poses need 2 photographs or more, there are {}",
+        folder.string(), photographs);
+}
+
+bool isOfFile(const Error& error) {
+  return error.code() == ErrorCode::invalidInput || error.code() == ErrorCode::unsupported;
 }
 
 Image8 loadPhotograph(const Photograph& photo) {
@@ -131,12 +156,13 @@ Image8 greyOf(const Image8& picture) {
 double bytesToLoad(const Photograph& photo) {
   const double whole = photo.lens ? double(photo.whole.width) * photo.whole.height : 0;
   const double stored = double(photo.camera.intrinsics.width) * photo.camera.intrinsics.height;
-  return 3 * (photo.sourcePixels + whole + stored);
+  return photo.sourceBytes + 3 * (photo.sourcePixels + whole + stored);
 }
 
 double bytesToStore(const Photograph& photo) {
   const double whole = double(photo.whole.width) * photo.whole.height;  // undistorted, it may be larger than the source
-  return kBytesPerPixel * std::max(photo.sourcePixels, whole) + (photo.lens ? 3 * photo.sourcePixels : 0);
+  return 2 * photo.sourceBytes + kBytesPerPixel * std::max(photo.sourcePixels, whole) +
+         (photo.lens ? 3 * photo.sourcePixels : 0);
 }
 
 void checkNotOverwritten(const Photograph& photo, const fs::path& folder) {

@@ -10,6 +10,7 @@
 
 #include "ibr/author.h"
 #include "ibr/capture.h"
+#include "ibr/error.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
@@ -23,6 +24,7 @@ struct Photograph {
   bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
   bool turnUnsure = false;  // EXIF says that it is turned, and the camera fits both ways
   double sourcePixels = 0;
+  double sourceBytes = 0;  // of memory, beside the picture, while it is read
   std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
   bool copied = false;                           // stored byte by byte
   CaptureFacts capture;                          // that its file tells
@@ -43,6 +45,16 @@ bool isJpeg(const std::filesystem::path& path);
 /// unreadable, or has neither the camera's size nor a uniform scale of it.
 Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize,
                           Orientation orientation = Orientation::automatic);
+
+/// Throws Error{invalidInput} that names all photographs that cannot be read, and the way out. `faults`: what each
+/// one's error says; "" for those without.
+void checkReadable(std::vector<std::string> faults);
+
+/// Throws Error{invalidInput} where there are fewer photographs in the folder than poses can be estimated of.
+void checkEnoughForPoses(const std::filesystem::path& folder, std::size_t photographs);
+
+/// Whether that error is of the file itself: of a photograph that can be left out.
+bool isOfFile(const Error& error);
 
 /// The picture as it is stored (RGB), from its source.
 Image8 loadPhotograph(const Photograph& photograph);

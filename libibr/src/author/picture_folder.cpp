@@ -11,6 +11,7 @@
 
 #include "ibr/error.h"
 #include "io/image_file.h"
+#include "scene/scene_file.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -54,6 +55,13 @@ std::string stemOf(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
 }
 
+// Or one that is being built.
+bool isScene(const fs::path& folder) {
+  std::error_code ignored;
+  return std::ranges::any_of(std::array{kSceneFileName, ".build", ".poses"},
+                             [&](const char* name) { return fs::exists(folder / name, ignored); });
+}
+
 // Why a file that is called a photograph cannot be one; "" for those that may be.
 std::string faultOf(const fs::path& file, const std::string& extension) {
   std::error_code ignored;
@@ -83,7 +91,7 @@ PictureFolder lookInto(const fs::path& folder) {
     const std::string file = at->path().filename().string();
     std::error_code ignored;  // of links that lead nowhere
     if (at->is_directory(ignored)) {
-      if (file.starts_with('.') || holdsPreviews(file)) at.disable_recursion_pending();
+      if (file.starts_with('.') || holdsPreviews(file) || isScene(at->path())) at.disable_recursion_pending();
       continue;
     }
     const std::string extension = lowered(at->path().extension().string());

@@ -35,6 +35,8 @@ Image<std::uint16_t> readPngGrey16(Bytes file, const std::string& name, const Re
 
 /// The same picture gives the same bytes.
 std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::string& name);
+/// `jpeg` with the EXIF block that the JPEG file `original` has, if it has one; in it, its orientation is 1.
+std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, const std::string& name);
 std::vector<std::byte> encodePng(const Image8& image, const std::vector<ImageText>& texts, const std::string& name);
 
 std::vector<ImageText> pngTexts(Bytes file, const std::string& name);

@@ -51,6 +51,12 @@ class Directory {
     return below > 0 ? above / below : 0;
   }
 
+  // Where a SHORT stands.
+  std::optional<std::size_t> placeOfShort(std::uint32_t tag) const {
+    const auto entry = find(tag);
+    return entry && fields_.read(*entry + 2, 2) == kShort ? std::optional(*entry + 8) : std::nullopt;
+  }
+
   std::string text(std::uint32_t tag) const {
     constexpr std::uint32_t kLongest = 128;
     const auto entry = find(tag);
@@ -94,15 +100,35 @@ double sensitivity(const Directory& exif) {
   return 0;
 }
 
+constexpr std::uint32_t kOrientation = 0x0112;
+
+// nullopt where no TIFF header stands.
+std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
+  if (tiff.size() < 8 || tiff[0] != tiff[1] || (tiff[0] != std::byte('I') && tiff[0] != std::byte('M')))
+    return std::nullopt;
+  const Fields fields(tiff, tiff[0] == std::byte('M'));
+  return fields.read(2, 2) == 42u ? std::optional(fields) : std::nullopt;
+}
+
 }  // namespace
+
+void setUpright(std::span<std::byte> tiff) {
+  const auto fields = fieldsOf(tiff);
+  if (!fields) return;
+  const auto at = Directory(*fields, *fields->read(4, 4)).placeOfShort(kOrientation);
+  if (!at || *at + 2 > tiff.size()) return;
+  const bool bigEndian = tiff[0] == std::byte('M');
+  tiff[*at] = std::byte(bigEndian ? 0 : 1);
+  tiff[*at + 1] = std::byte(bigEndian ? 1 : 0);
+}
 
 Exif readExif(std::span<const std::byte> tiff) {
   Exif result;
-  if (tiff.size() < 8 || tiff[0] != tiff[1] || (tiff[0] != std::byte('I') && tiff[0] != std::byte('M'))) return result;
-  const Fields fields(tiff, tiff[0] == std::byte('M'));
-  if (fields.read(2, 2) != 42u) return result;
+  const auto header = fieldsOf(tiff);
+  if (!header) return result;
+  const Fields& fields = *header;
   const Directory first(fields, *fields.read(4, 4));
-  if (const std::uint32_t value = first.whole(0x0112).value_or(1); value >= 1 && value <= 8)
+  if (const std::uint32_t value = first.whole(kOrientation).value_or(1); value >= 1 && value <= 8)
     result.orientation = int(value);
   CaptureFacts& capture = result.capture;
   capture.maker = first.text(0x010f);

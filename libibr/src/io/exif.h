@@ -19,4 +19,7 @@ struct Exif {
 /// damaged is as if it were not there: metadata never makes a photograph unreadable.
 Exif readExif(std::span<const std::byte> tiff);
 
+/// Makes its orientation 1, if it has one.
+void setUpright(std::span<std::byte> tiff);
+
 }  // namespace ibr::io

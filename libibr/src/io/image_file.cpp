@@ -87,21 +87,6 @@ std::string lowerExtension(const fs::path& path) {
   return extension;
 }
 
-// Where a pixel of the upright picture is found in the stored one (EXIF 2.32 §4.6.4.A: where row 0 and column 0 are).
-Image8 oriented(const Image8& stored, int orientation) {
-  const bool swapped = orientation >= 5;
-  const bool mirroredX = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
-  const bool mirroredY = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
-  Image8 image(swapped ? stored.height : stored.width, swapped ? stored.width : stored.height, stored.channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const int u = swapped ? y : x, v = swapped ? x : y;
-      const auto from = stored.pixel(mirroredX ? stored.width - 1 - u : u, mirroredY ? stored.height - 1 - v : v);
-      std::ranges::copy(from, image.pixel(x, y).begin());
-    }
-  return image;
-}
-
 }  // namespace
 }  // namespace io
 
@@ -126,12 +111,27 @@ ImageFileInfo probeImage(const fs::path& path) {
   return io::formatOf(file, name).probe(file, name);
 }
 
+// Where a pixel of the upright picture is found in the stored one (EXIF 2.32 §4.6.4.A: where row 0 and column 0 are).
+Image8 upright(const Image8& stored, int orientation) {
+  const bool swapped = orientation >= 5;
+  const bool mirroredX = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool mirroredY = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  Image8 image(swapped ? stored.height : stored.width, swapped ? stored.width : stored.height, stored.channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const int u = swapped ? y : x, v = swapped ? x : y;
+      const auto from = stored.pixel(mirroredX ? stored.width - 1 - u : u, mirroredY ? stored.height - 1 - v : v);
+      std::ranges::copy(from, image.pixel(x, y).begin());
+    }
+  return image;
+}
+
 Image8 readImage(const fs::path& path, bool applyOrientation, const ReadLimits& limits) {
   const std::string name = path.string();
   const auto file = readFile(path);
   ImageFileInfo info;
   Image8 image = io::formatOf(file, name).read(file, name, limits, info);
-  return applyOrientation && info.orientation != 1 ? io::oriented(image, info.orientation) : image;
+  return applyOrientation && info.orientation != 1 ? upright(image, info.orientation) : image;
 }
 
 Image<std::uint16_t> readGrey16(const fs::path& path, const ReadLimits& limits) {
@@ -147,6 +147,17 @@ void writeImage(const fs::path& path, const Image8& image, int quality) {
   check(image.channels == 1 || image.channels == 3 || (image.channels == 4 && !jpeg), ErrorCode::unsupported,
         "{}: {} channels do not fit the format", name, image.channels);
   writeFile(path, jpeg ? io::encodeJpeg(image, quality, name) : io::encodePng(image, {}, name));
+}
+
+void writeUpright(const fs::path& from, const fs::path& to) {
+  constexpr int kQuality = 95;
+  const std::string name = from.string();
+  const auto file = readFile(from);
+  const io::Format format = io::formatOf(file, name);
+  ImageFileInfo info;
+  const Image8 stored = format.read(file, name, {}, info);
+  std::vector<std::byte> jpeg = io::encodeJpeg(upright(stored, info.orientation), kQuality, to.string());
+  writeFile(to, format.read == io::readJpeg ? io::withExifOf(file, std::move(jpeg), name) : std::move(jpeg));
 }
 
 void writeImage(const fs::path& path, const Image8& image, const std::vector<ImageText>& texts) {

@@ -14,12 +14,15 @@
 
 namespace ibr {
 
+enum class ImageFormat : std::uint8_t { jpeg, png, tiff };
+
 struct ImageFileInfo {
   int width = 0, height = 0;  // as stored, before orientation
   int channels = 0;
   int bitsPerChannel = 0;
   int orientation = 1;  // EXIF, 1 to 8
   CaptureFacts capture;  // EXIF
+  ImageFormat format = ImageFormat::jpeg;  // by content: names lie
 };
 
 struct ReadLimits {
@@ -27,7 +30,7 @@ struct ReadLimits {
   int side = 1 << 16;
 };
 
-/// Reads the header only.
+/// Reads the header only; refuses what readImage refuses by it.
 ImageFileInfo probeImage(const std::filesystem::path& path);
 
 /// Reads as 8-bit sRGB: grey and palette expanded, alpha dropped, 16 bits rounded to 8; what an ICC profile, or the word
@@ -40,6 +43,13 @@ Image<std::uint16_t> readGrey16(const std::filesystem::path& path, const ReadLim
 
 /// 1, 3 or 4 channels; the format follows the extension: .png (lossless), .jpg/.jpeg (3 or 1 channels, `quality`).
 void writeImage(const std::filesystem::path& path, const Image8& image, int quality = 92);
+
+/// A picture as it is stored, turned as its EXIF orientation, 1 to 8, says.
+Image8 upright(const Image8& stored, int orientation);
+
+/// Writes the photograph in `from` turned upright: a JPEG whatever the file is called, with all that EXIF says of a JPEG
+/// but its orientation, which is 1.
+void writeUpright(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// A text inside a picture. `key`: 1 to 79 printable ASCII characters, no space at either end nor two in a row; `text`:
 /// UTF-8 without a zero byte.

@@ -99,6 +99,8 @@ class Codec {
   Errors errors_{};
 };
 
+constexpr char kExif[6] = {'E', 'x', 'i', 'f', 0, 0};
+
 class Decoder : public Codec<jpeg_decompress_struct> {
  public:
   Decoder(Bytes file, const std::string& name) : Codec(name) {
@@ -116,7 +118,7 @@ class Decoder : public Codec<jpeg_decompress_struct> {
   ImageFileInfo info() const {
     const Exif exif = this->exif();
     return {int(state.image_width), int(state.image_height), state.num_components, state.data_precision,
-            exif.orientation,       exif.capture};
+            exif.orientation, exif.capture, ImageFormat::jpeg};
   }
 
   /// Before the pixels are decoded: the markers are gone afterwards.
@@ -131,12 +133,25 @@ class Decoder : public Codec<jpeg_decompress_struct> {
     return profile;
   }
 
-  Exif exif() const {
-    constexpr char kExif[6] = {'E', 'x', 'i', 'f', 0, 0};
+  /// With its name before the TIFF header; empty where there is none.
+  Bytes exifSegment() const {
     for (auto marker = state.marker_list; marker; marker = marker->next)
       if (marker->data_length > sizeof kExif && std::memcmp(marker->data, kExif, sizeof kExif) == 0)
-        return readExif(std::as_bytes(std::span(marker->data, marker->data_length)).subspan(sizeof kExif));
+        return std::as_bytes(std::span(marker->data, marker->data_length));
     return {};
+  }
+
+  Exif exif() const {
+    const Bytes segment = exifSegment();
+    return segment.empty() ? Exif{} : readExif(segment.subspan(sizeof kExif));
+  }
+
+  /// Throws Error{unsupported} for what is neither grey nor RGB.
+  void checkColours(const std::string& name) const {
+    const auto space = state.jpeg_color_space;
+    check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
+          "{}: {} components, of colours that are neither grey nor RGB{}", name, state.num_components,
+          space == JCS_CMYK || space == JCS_YCCK ? kCmykAdvice : "");
   }
 
  private:
@@ -146,7 +161,9 @@ class Decoder : public Codec<jpeg_decompress_struct> {
 }  // namespace
 
 ImageFileInfo probeJpeg(Bytes file, const std::string& name) {
-  return Decoder(file, name).info();
+  const Decoder decoder(file, name);
+  decoder.checkColours(name);
+  return decoder.info();
 }
 
 Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
@@ -154,10 +171,7 @@ Image8 readJpeg(Bytes file, const std::string& name, const ReadLimits& limits, I
   auto& state = decoder.state;
   info = decoder.info();
   checkSize(info, limits, name);
-  const auto space = state.jpeg_color_space;
-  check(space == JCS_GRAYSCALE || space == JCS_RGB || space == JCS_YCbCr, ErrorCode::unsupported,
-        "{}: {} components, of colours that are neither grey nor RGB{}", name, info.channels,
-        space == JCS_CMYK || space == JCS_YCCK ? kCmykAdvice : "");
+  decoder.checkColours(name);
   // Huffman coding spends at least one bit on each block of the first component: a small file cannot hold a large
   // picture.
   const auto blocks = std::uint64_t(info.width / 8) * std::uint64_t(info.height / 8);
@@ -214,6 +228,18 @@ std::vector<std::byte> encodeJpeg(const Image8& image, int quality, const std::s
   });
   const auto bytes = std::as_bytes(std::span(output.data, output.size));
   return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::byte> withExifOf(Bytes original, std::vector<std::byte> jpeg, const std::string& name) {
+  const Decoder decoder(original, name);
+  const Bytes segment = decoder.exifSegment();
+  if (segment.empty()) return jpeg;
+  const std::size_t length = segment.size() + 2;  // counts itself
+  const std::byte head[] = {std::byte(0xff), std::byte(0xe1), std::byte(length >> 8), std::byte(length & 0xff)};
+  const auto at = jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
+  setUpright(std::span(at, segment.size()).subspan(sizeof kExif));
+  jpeg.insert(jpeg.begin() + 2, std::begin(head), std::end(head));
+  return jpeg;
 }
 
 }  // namespace ibr::io

@@ -85,7 +85,7 @@ class Decoder : public Codec {
     const Exif exif = this->exif();
     return {int(png_get_image_width(png, info)), int(png_get_image_height(png, info)),
             palette ? 3 : png_get_channels(png, info), palette ? 8 : png_get_bit_depth(png, info), exif.orientation,
-            exif.capture};
+            exif.capture, ImageFormat::png};
   }
 
   Bytes colourProfile() {

@@ -91,7 +91,8 @@ class Decoder {
     const int orientation = field(TIFFTAG_ORIENTATION);
     return {int(std::min(width, std::uint32_t(most))), int(std::min(height, std::uint32_t(most))),
             field(TIFFTAG_SAMPLESPERPIXEL), field(TIFFTAG_BITSPERSAMPLE),
-            orientation >= 1 && orientation <= 8 ? orientation : 1, readExif(stream_.file).capture};
+            orientation >= 1 && orientation <= 8 ? orientation : 1, readExif(stream_.file).capture,
+            ImageFormat::tiff};
   }
 
   int field(std::uint32_t tag) const {
@@ -162,16 +163,8 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   return image;
 }
 
-}  // namespace
-
-ImageFileInfo probeTiff(Bytes file, const std::string& name) {
-  return Decoder(file, name).info();
-}
-
-Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
-  Decoder decoder(file, name);
-  info = decoder.info();
-  checkSize(info, limits, name);
+// Throws Error{unsupported} for inks, and for raw files.
+void checkKind(const Decoder& decoder, const ImageFileInfo& info, const std::string& name) {
   const int photometric = decoder.field(TIFFTAG_PHOTOMETRIC);
   check(photometric != PHOTOMETRIC_SEPARATED, ErrorCode::unsupported, "{}: {} inks{}", name, info.channels,
         kCmykAdvice);
@@ -180,7 +173,22 @@ Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, I
   TIFFGetField(decoder.tiff, TIFFTAG_SUBFILETYPE, &subfile);
   check(!(subfile & FILETYPE_REDUCEDIMAGE) && photometric != PHOTOMETRIC_CFA, ErrorCode::unsupported,
         "{}: begins with a preview or holds what a sensor measured, as raw files do: develop it first", name);
+}
 
+}  // namespace
+
+ImageFileInfo probeTiff(Bytes file, const std::string& name) {
+  const Decoder decoder(file, name);
+  const ImageFileInfo info = decoder.info();
+  checkKind(decoder, info, name);
+  return info;
+}
+
+Image8 readTiff(Bytes file, const std::string& name, const ReadLimits& limits, ImageFileInfo& info) {
+  Decoder decoder(file, name);
+  info = decoder.info();
+  checkSize(info, limits, name);
+  checkKind(decoder, info, name);
   Image8 image = roundsItself(decoder, info) ? readGrey16(decoder, info) : readColours(decoder, info, name);
   if (const auto profile = decoder.colourProfile(); !profile.empty())
     toSrgb(image, profile);

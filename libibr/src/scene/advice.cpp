@@ -378,7 +378,10 @@ class Adviser {
         if (scene_.nodes[n].name == photo.name) nodes.push_back(n);
       put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoFigure,
           fmt::format("{} is not used: {}.", photo.name, photo.reason),
-          "Take it again nearer to the others, with two thirds of its picture in the next.");
+          // Files that are not read say themselves what to do.
+          nodes.empty() && photo.reason != kNotRegistered
+              ? ""
+              : "Take it again nearer to the others, with two thirds of its picture in the next.");
     }
   }
 

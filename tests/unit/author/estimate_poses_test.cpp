@@ -15,6 +15,7 @@
 #include "support/error_of.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
+#include "support/turned_photograph.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -106,8 +107,7 @@ TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
   CHECK(readTextFile(place.folder / "poses/photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
   const std::string calls = readTextFile(place.folder / "calls");
   CHECK_THAT(calls, Contains("--SiftExtraction.use_gpu 0") && Contains("--SiftMatching.use_gpu 0") &&
-                        Contains("--ImageReader.single_camera 1") &&
-                        Contains("--ExhaustiveMatching.block_size 2"));
+                        Contains("--ImageReader.single_camera 1") && Contains("--ExhaustiveMatching.block_size 2"));
   CHECK_THAT(readTextFile(place.folder / "poses/mapper.log"), Contains("Registering image #2"));
 
   // Nothing is done twice.
@@ -131,6 +131,57 @@ TEST_CASE("many photographs are matched in their order") {
   CHECK(place.calls() == Calls{"feature_extractor", "sequential_matcher", "mapper"});
 }
 
+TEST_CASE("COLMAP gets upright photographs with what EXIF says, unless they are asked for as stored") {
+  const Place place;
+  Image8 picture(40, 30, 3, 20);
+  for (int x = 0; x < 40; ++x) picture.pixel(x, 0)[0] = 250;
+  test::writeTurned(place.folder / "photos/e.jpg", test::storedAs(6, picture), 6);
+  Image8 mask(30, 40, 1, 255);
+  mask.pixel(29, 5)[0] = 0;  // at the top of the upright picture
+  fs::create_directories(place.folder / "masks");
+  writeImage(place.folder / "masks/e.jpg.png", mask);
+  PoseOptions options = place.options();
+  options.masks = place.folder / "masks";
+  CHECK(estimatePoses(options).photographs == 5);
+  const fs::path pictures = options.folder / "upright";
+  const ImageFileInfo info = probeImage(pictures / "e.jpg");
+  CHECK(info.width == 40);
+  CHECK(info.height == 30);
+  CHECK(info.orientation == 1);
+  CHECK(info.capture.maker == "Ab");
+  CHECK(int(readImage(pictures / "e.jpg").pixel(20, 0)[0]) > 150);
+  CHECK(readImage(pictures / "more/c.png").width == 40);
+  CHECK(int(readImage(options.folder / "masks/e.jpg.png").pixel(5, 0)[0]) == 0);
+  CHECK(int(readImage(options.folder / "masks/e.jpg.png").pixel(0, 5)[0]) == 255);
+  const std::string calls = readTextFile(place.folder / "calls");
+  CHECK_THAT(calls, Contains("--image_path " + pictures.string()) && Contains("--ImageReader.single_camera 1"));
+
+  options.orientation = Orientation::stored;
+  estimatePoses(options);
+  CHECK(!fs::exists(pictures));
+  const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
+  CHECK_THAT(later, Contains("--image_path " + options.photographs.string()) && Contains("single_camera 0"));
+}
+
+TEST_CASE("photographs that cannot be read are named before COLMAP is run") {
+  const Place place;
+  const fs::path photographs = place.options().photographs;
+  writeImage(photographs / "x.jpg", Image8(400, 300, 3, 9));
+  fs::copy_file(photographs / "x.jpg", photographs / "y.jpg");
+  fs::resize_file(photographs / "x.jpg", 20);                                        // of its header
+  fs::resize_file(photographs / "y.jpg", fs::file_size(photographs / "y.jpg") - 9);  // of its end
+  const auto told = [&](const PoseOptions& options) {
+    return std::string(test::errorOf([&] { estimatePoses(options); }).what());
+  };
+  PoseOptions options = place.options();
+  CHECK_THAT(told(options), Contains("x.jpg") && Contains("--exclude"));
+  options.exclude = {"x.jpg"};
+  CHECK_THAT(told(options), Contains("y.jpg") && Contains("--exclude") && !Contains("x.jpg"));
+  CHECK(!fs::exists(place.folder / "calls"));
+  options.exclude.push_back("y.jpg");
+  CHECK(estimatePoses(options).photographs == 4);
+}
+
 TEST_CASE("a step that fails says so with its last lines, and is the first to be tried again") {
   const Place place;
   place.touch("FAIL-mapper");
@@ -145,9 +196,8 @@ TEST_CASE("a step that fails says so with its last lines, and is the first to be
 TEST_CASE("a cancelled step ends the program and all that it has started") {
   const Place place;
   place.touch("SLEEP-exhaustive_matcher");
-  const Error error = test::errorOf([&] {
-    estimatePoses(place.options(), [&](const Progress&) { return !fs::exists(place.folder / "sleeper"); });
-  });
+  const Error error = test::errorOf(
+      [&] { estimatePoses(place.options(), [&](const Progress&) { return !fs::exists(place.folder / "sleeper"); }); });
   CHECK(error.code() == ErrorCode::cancelled);
   const pid_t sleeper = std::stoi(readTextFile(place.folder / "sleeper"));
   bool gone = false;
@@ -209,14 +259,16 @@ TEST_CASE("programs are run with their words read line by line") {
   CHECK(runChild({"sh", "-c", "kill -9 $$"}, {}, keep, on).status == 128 + 9);
   // Much, and without a last line end.
   std::size_t count = 0, length = 0;
-  runChild({"sh", "-c", "i=0; while [ $i -lt 3000 ]; do echo 0123456789012345678901234567890123456789; i=$((i+1)); done; "
-                        "printf end"},
-           {},
-           [&](std::string_view line) {
-             ++count;
-             length += line.size();
-           },
-           on);
+  runChild(
+      {"sh", "-c",
+       "i=0; while [ $i -lt 3000 ]; do echo 0123456789012345678901234567890123456789; i=$((i+1)); done; "
+       "printf end"},
+      {},
+      [&](std::string_view line) {
+        ++count;
+        length += line.size();
+      },
+      on);
   CHECK(count == 3001);
   CHECK(length == 3000 * 40 + 3);
   CHECK(test::errorOf([&] { runChild({"/no/such/program"}, {}, keep, on); }).code() == ErrorCode::io);

@@ -13,41 +13,18 @@
 #include "support/court_photographs.h"
 #include "support/error_of.h"
 #include "support/temporary_folder.h"
+#include "support/turned_photograph.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
 using Catch::Matchers::Contains;
+using test::storedAs, test::writeTurned;
 
 namespace {
 
 void writeText(const fs::path& file, std::string_view text) {
   fs::create_directories(file.parent_path());
   std::ofstream(file, std::ios::binary) << text;
-}
-
-// The picture as a camera stores it that writes this orientation: EXIF 2.32 §4.6.5, table of where row 0 and column 0 are.
-Image8 storedAs(int orientation, const Image8& upright) {
-  const int w = upright.width, h = upright.height;
-  Image8 stored(orientation < 5 ? w : h, orientation < 5 ? h : w, 3);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const int r = w - 1 - x, b = h - 1 - y;  // from the right, from the bottom
-      const glm::ivec2 at[] = {{}, {x, y}, {r, y}, {r, b}, {x, b}, {y, x}, {y, r}, {b, r}, {b, x}};
-      const glm::ivec2 to = at[orientation];
-      std::ranges::copy(upright.pixel(x, y), stored.pixel(to.x, to.y).begin());
-    }
-  return stored;
-}
-
-// JPEG of best quality with this EXIF orientation.
-void writeTurned(const fs::path& file, const Image8& stored, int orientation) {
-  fs::create_directories(file.parent_path());
-  writeImage(file, stored, 100);
-  std::string bytes = readTextFile(file);
-  const char exif[] = {'\xff', '\xe1', 0,  34, 'E', 'x', 'i', 'f', 0, 0,   'I', 'I', 42, 0, 8, 0, 0, 0,
-                       1,      0,      18, 1,  3,   0,   1,   0,   0, 0, char(orientation), 0, 0, 0, 0, 0, 0, 0};
-  bytes.insert(2, std::string(exif, sizeof exif));
-  writeText(file, bytes);
 }
 
 double meanDifference(const Image8& a, const Image8& b) {
@@ -161,7 +138,8 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
   writeText(folder / "a.CR2", "II*\0raw"s);  // beside a.jpg
   writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
   const PictureFolder found = lookInto(folder / "");
-  CHECK((found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
+  CHECK(
+      (found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
   std::vector<std::string> names;
   for (const auto& unread : found.unread) names.push_back(unread.name);
   CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
@@ -175,7 +153,8 @@ TEST_CASE("a folder's pictures are told from previews, hidden files and what can
 
 namespace {
 
-// Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its model.
+// Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its
+// model.
 test::CourtPhotographs mixedSet() {
   Court court = makeCourt(36, 96, 72, 1);
   court.cameras.resize(4);
@@ -235,4 +214,47 @@ TEST_CASE("what a folder holds beside photographs is told, and stands in the sce
   REQUIRE(report.unused.size() == 1);
   CHECK(report.unused[0].name == "x.HEIC");
   CHECK_THAT(report.unused[0].reason, Contains("convert"));
+}
+
+TEST_CASE("scenes in a folder of photographs are not taken for photographs") {
+  const test::TemporaryFolder folder;
+  const Image8 small(2, 2, 3, 9);
+  for (const char* name : {"a.jpg", "made/images/a.jpg", "half/images/a.jpg", "trip/b.jpg"}) {
+    fs::create_directories((folder / name).parent_path());
+    writeImage(folder / name, small);
+  }
+  writeText(folder / "made/scene.gltf", "{}");
+  fs::create_directories(folder / "half/.build");
+  CHECK((lookInto(folder / "").pictures == std::vector<std::string>{"a.jpg", "trip/b.jpg"}));
+  CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // asked for
+}
+
+TEST_CASE("all photographs that are missing are named at once, and what they are called instead") {
+  const test::CourtPhotographs set = mixedSet();
+  const fs::path photographs = set.options.photographs;
+  fs::rename(photographs / "photo01.jpg", photographs / "Photo01.JPG");
+  fs::remove(photographs / "photo03.jpg");
+  const Error error = test::errorOf([&] { build(set.options); });
+  CHECK(error.code() == ErrorCode::io);
+  CHECK_THAT(error.what(), Contains("2 of the model's 4 photographs are missing") &&
+                               Contains("photo01.jpg (there it is Photo01.JPG), photo03.jpg.") &&
+                               Contains("--exclude"));
+}
+
+TEST_CASE("what a scene stores is called what it is") {
+  const test::TemporaryFolder folder;
+  const Image8 picture = ramp(48, 32);
+  fs::create_directories(folder / "p");
+  writeImage(folder / "p/a.png", picture);
+  fs::rename(folder / "p/a.png", folder / "p/a.jpg");
+  writeImage(folder / "p/b.jpg", picture);
+  fs::rename(folder / "p/b.jpg", folder / "p/b.png");
+  const Photograph called = findPhotograph(folder / "p", posed("a.jpg", 48, 32), 0);
+  CHECK(!called.copied);
+  CHECK(called.imageFile == "images/a.jpg.png");
+  const Photograph other = findPhotograph(folder / "p", posed("b.png", 48, 32), 0);
+  CHECK(!other.copied);
+  CHECK(other.imageFile == "images/b.png");
+  storePicture(other, folder / "scene");
+  CHECK(probeImage(folder / "scene/images/b.png").format == ImageFormat::png);
 }
