@@ -314,6 +314,17 @@ TEST_CASE("a dry run says what building takes, and makes nothing") {
   CHECK(runProgram({"build", set.photographs, "-o", folder / "s", "--orientation", "left"}).code == 1);
 }
 
+TEST_CASE("many photographs take no more memory than was said") {
+  test::TemporaryFolder folder;
+  REQUIRE(runProgram({"synth", "court", "-o", folder / "court", "--photographs", "80", "--size", "96x72"}).code == 0);
+  const auto built = runProgram({"build", folder / "court/images", "-o", folder / "scene", "--json", "-"});
+  INFO(built.err);
+  REQUIRE(built.code == 0);
+  const auto report = nlohmann::json::parse(built.out);
+  CHECK(report.at("predicted").at("photographs") == 80);
+  CHECK(report.at("memory") < report.at("predicted").at("memory"));
+}
+
 TEST_CASE("Ctrl-C leaves whole files only, and the same command goes on") {
   test::TemporaryFolder folder;
   const test::TinySet set = test::makeTinySet(folder.path());
