@@ -177,12 +177,6 @@ ExitCode buildScene(const Options& options, const Context& context) {
       context.say(LogLevel::info, "{}", predictionText(prediction));
     return !options.dryRun;
   };
-  std::optional<PoseRefinement> refinement;
-  if (options.choices.refinePoses && !options.dryRun) {
-    ProgressLine progress(context);
-    refinement = refinePosesOf(build, build.output / ".refined", progress.callback(), context.log());
-  }
-  if (refinement) context.print("{}\n", text(*refinement));
   BuildReport report;
   StageSeconds stages;
   {
@@ -194,9 +188,10 @@ ExitCode buildScene(const Options& options, const Context& context) {
     context.report(Json{{"predicted", predictionJson(report.prediction)}}.dump(2));
     return kExitOk;
   }
+  if (!report.refinement.steps.empty()) context.print("{}\n", text(report.refinement));
   printReport(report, stages, build, context);
   Json json = reportJson(report, stages, build);
-  if (refinement) json["refinement"] = app::json(*refinement);
+  if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   const Scene scene = loadScene(build.output);
   const CaptureAdvice advice = adviseCapture(scene);
   context.print("\nadvice\n{}", adviceText(advice));

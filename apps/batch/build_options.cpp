@@ -88,7 +88,7 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       app, "--tracks", choices.build.tracks,
       {{"auto", TrackSource::automatic}, {"model", TrackSource::model}, {"own", TrackSource::own}},
       "Points that photographs share: the model's, our own, or our own where the model has few [auto]");
-  addChoice<bool>(app, "--refine-poses", choices.refinePoses, {{"auto", true}, {"off", false}},
+  addChoice<bool>(app, "--refine-poses", choices.build.refinePoses, {{"auto", true}, {"off", false}},
                   "auto: mend poses first where points confirm it, as ibr refine does (its --help) [off]");
   app.add_flag("--keep-border", choices.build.keepBorder,
                "Keep all of photographs whose lens distorts; what was not photographed is black and in no mesh [the "
@@ -141,20 +141,6 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       });
   const std::vector<CLI::Option*> all = app.get_options();  // in the order of their declaration
   return {all.begin() + std::ptrdiff_t(before.size()), all.end()};
-}
-
-std::optional<PoseRefinement> refinePosesOf(BuildOptions& build, const fs::path& folder,
-                                            const ProgressCallback& progress, const LogCallback& log) {
-  BuildOptions first = build;  // its finished cells stay until the build has its own
-  if (first.finishedCells.empty()) first.finishedCells = build.output / ".build";
-  RefinedModel refined = refinedModel(first, progress, log);
-  if (refined.refinement.steps.empty()) return std::nullopt;
-  if (refined.refinement.moved.empty()) return std::move(refined.refinement);  // kept, and so are the cells
-  writeColmapModel(refined.model, folder);
-  build.model = folder;
-  build.transforms.clear();
-  build.panoramas.clear();
-  return std::move(refined.refinement);
 }
 
 BuildOptions buildOptionsOf(const BuildChoices& choices, const fs::path& photographs, const Context& context) {

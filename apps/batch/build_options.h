@@ -4,12 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "ibr/author.h"
-#include "ibr/refine_poses.h"
 #include "shared/context.h"
 
 namespace ibr::app {
@@ -17,7 +15,6 @@ namespace ibr::app {
 struct BuildChoices {
   BuildOptions build;  // photographs, model, transforms, panoramas, output, seed and threads are not set yet
   std::string model, transforms, panoramas, excludeFrom;
-  bool refinePoses = false;  // first (ibr/refine_poses.h)
   std::string optimise;  // the optimiser's method; empty: cells stay as they are matched
 };
 
@@ -26,11 +23,6 @@ void declareInputOptions(CLI::App& app, BuildChoices& choices);
 
 /// All (those, too) but the photographs' and the scene's folder. Gives what it declared.
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices);
-
-/// Refines the poses of a build, where they are estimates, and writes the model to `folder`, for the build to read. The
-/// build stays as it is where they are kept, or where there is nothing to refine: then nullopt. Throws Error.
-std::optional<PoseRefinement> refinePosesOf(BuildOptions& build, const std::filesystem::path& folder,
-                                            const ProgressCallback& progress, const LogCallback& log);
 
 /// Complete but for the output. Looks for a model near the photographs where no poses are given; where there is none,
 /// building runs COLMAP. Throws Error.

@@ -67,11 +67,10 @@ std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build
 
 class LeaveOneOut {
  public:
-  LeaveOneOut(const BuildOptions& build, bool refine, bool resect, const EvaluationOptions& evaluation,
+  LeaveOneOut(const BuildOptions& build, bool resect, const EvaluationOptions& evaluation,
               std::uint64_t key, fs::path work, const Context& context)
       : build_(build),
         given_(readPoses(build, {})),
-        refine_(refine),
         resect_(resect),
         evaluation_(evaluation),
         key_(key),
@@ -135,12 +134,9 @@ class LeaveOneOut {
     BuildOptions build = build_;
     build.exclude.push_back(view.name);
     fs::remove_all(build.output);
-    const ProgressCallback shown = [&](const Progress&) { return progress.show(place); };
-    refined_ = false;
-    if (refine_)
-      if (const auto refinement = refinePosesOf(build, work_ / ".refined-without-one", shown, context_.log()))
-        refined_ = !refinement->moved.empty();
-    const BuildReport report = ibr::build(build, shown);
+    const BuildReport report = ibr::build(build, [&](const Progress&) { return progress.show(place); });
+    refined_ = !report.refinement.moved.empty();
+    if (refined_) build.model = build.output / ".refined", build.transforms.clear(), build.panoramas.clear();
     for (const auto& cell : report.cells) ++(cell.resumed ? counts_.shared : counts_.matched);
     const Scene scene = loadScene(build.output);
     check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without it");
@@ -160,7 +156,7 @@ class LeaveOneOut {
 
   BuildOptions build_;
   const PosedModel given_;
-  const bool refine_, resect_;
+  const bool resect_;
   bool refined_ = false;  // for the view at hand
   const EvaluationOptions& evaluation_;
   std::uint64_t key_;
@@ -200,7 +196,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
               views.size(), photographs.images().size(), work.string(),
               options.work.empty() ? " until all are done" : "");
 
-  LeaveOneOut run(build, choices.refinePoses, options.resect, evaluation, key, work, context);
+  LeaveOneOut run(build, options.resect, evaluation, key, work, context);
   std::vector<ViewOutcome> outcomes;
   {
     ProgressLine progress(context);
@@ -224,9 +220,9 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
   reportOutcomes(outcomes, evaluation, std::move(about), context);
   context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
                 run.counts().shared);
-  if (choices.refinePoses)
+  if (build.refinePoses)
     context.print("poses were refined for {} of {} views, kept for the others\n", run.counts().refined, views.size());
-  for (const char* folder : {".scene-without-one", ".refined-without-one"}) fs::remove_all(work / folder);
+  fs::remove_all(work / ".scene-without-one");
   if (options.work.empty()) fs::remove_all(work);
   check(std::ranges::any_of(outcomes, [](const ViewOutcome& o) { return o.failure.empty(); }), ErrorCode::invalidInput,
         "{}: no photograph could be left out: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);

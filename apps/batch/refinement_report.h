@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "ibr/refine_poses.h"
+#include "ibr/pose_refinement.h"
 
 namespace ibr::app {
 

@@ -14,6 +14,7 @@
 #include "ibr/image.h"
 #include "ibr/lens.h"
 #include "ibr/log.h"
+#include "ibr/pose_refinement.h"
 #include "ibr/scene.h"
 #include "ibr/texture.h"
 
@@ -165,6 +166,7 @@ struct BuildOptions {
   std::filesystem::path masks;  // folder of masks (author/masks.h): what is 0 there is neither matched nor shown
   bool matchExposures = true;   // photographs get gains (Node::gain), measured by what they show of the same places
   bool fitVignetting = false;   // what lenses take from corners is measured as well, and stored photographs are without
+  bool refinePoses = false;     // mended where points confirm it (ibr/pose_refinement.h); ".refined" has the model then
   bool removeMovers = false;    // who moved is masked where another photograph shows the place without him
   bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
   int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
@@ -219,6 +221,7 @@ struct BuildReport {
   };
   std::filesystem::path poses;  // file or folder that they were read from
   ExposureSummary exposures;
+  PoseRefinement refinement;    // where it was asked for; no photograph moved: they are as they were read
   std::vector<MaskLine> masks;  // of photographs of which something is masked
   std::vector<CellLine> cells;
   std::vector<BackdropLine> backdrops;

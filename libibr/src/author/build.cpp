@@ -61,6 +61,7 @@ class Builder {
     warnOfEmptyPlan();
     describe();
     makeCells();
+    if (options_.refinePoses && movePoses()) makeCells();
     takeExposures();
     if (options_.backdrops) makeBackdrops();
     listUnused();
@@ -78,15 +79,13 @@ class Builder {
     hashPhotographs();
     addOwnTracks(input_, options_, jobs_, log_);
     takeMasksFromTracks();
-    PoseRefinement refinement;
     if (input_.refine) {
       planCells();
       makeCells();
-      jobs_.step("refining the poses", 0, 1);
-      refinement = refinePoses(input_, scene_.cells);
+      refine();
     }
     if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
-    return {std::move(input_.model), std::move(refinement)};
+    return {std::move(input_.model), std::move(report_.refinement)};
   }
 
  private:
@@ -155,6 +154,33 @@ class Builder {
     if (report_.masks.empty()) return;
     dropUnseen(input_.model);
     input_.tracksOf = tracksOfImages(input_.model);
+  }
+
+  void refine() {
+    jobs_.step("refining poses", 0, 1);
+    report_.refinement = refinePoses(input_, scene_.cells);
+  }
+
+  // Whether any did.
+  bool movePoses() {
+    const fs::path folder = options_.output / ".refined";
+    std::error_code ignored;
+    if (!fs::equivalent(folder, posesFile(options_), ignored)) fs::remove_all(folder, ignored);  // of a build before
+    if (input_.refine) refine();
+    if (report_.refinement.moved.empty()) return false;
+    writeColmapModel(input_.model, folder);
+    for (std::size_t n = 0; n < scene_.nodes.size(); ++n) scene_.nodes[n].camera = input_.photographs[n].camera;
+    planCells();
+    forgetCells();
+    return true;
+  }
+
+  void forgetCells() {
+    scene_.cells.clear();
+    keys_.clear();
+    failure_.clear();
+    report_.cells.clear();
+    report_.dropped = plan_.dropped;
   }
 
   // One mask is held on each thread.

@@ -12,6 +12,7 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
+constexpr double kObservation = 150e-6;                        // of a point, while poses are refined
 constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
 constexpr double kJudged = 500, kJudge = 1300;
 
@@ -49,6 +50,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     longest = std::max(longest, cellSeconds(cell));
   }
   add("matching cells", cells, threads.cells, longest);
+  add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, cells are matched once more
   if (work.exposures) {
     const double pairs = memberPairs(work);
     add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,

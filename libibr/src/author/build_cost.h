@@ -35,6 +35,7 @@ struct BuildWork {
   double judgedPixels = 0, judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
   std::vector<CellWork> cells;
   bool exposures = false;     // are compared
+  double refinedBy = 0;       // observations by which poses are refined; 0: they are not
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
 };

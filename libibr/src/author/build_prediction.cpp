@@ -29,6 +29,7 @@ constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
 constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
 constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
+constexpr double kSeenInCells = 700;                         // observations of dense tracks, for each photograph
 constexpr double kProgram = 60e6;                  // of memory, whatever the work
 
 double pixelsOf(const Intrinsics& k) {
@@ -78,6 +79,7 @@ class Predictor {
     countTracks();
     if (options_.removeMovers) countMovers();
     countCells();
+    countRefinement();
     work_.exposures = options_.matchExposures || options_.fitVignetting;
     work_.photographs = made_.photographs = input_.photographs.size();
     made_.memoryAllowed = memoryBudget(options_.memory);
@@ -136,6 +138,13 @@ class Predictor {
       judging_ = std::max(judging_, bytesToJudge(photo));
       kept_ += kJudgementBytesPerPixel * pixels;
     }
+  }
+
+  // Exact poses are not refined.
+  void countRefinement() {
+    if (!options_.refinePoses || !input_.refine) return;
+    work_.refinedBy = kSeenInCells * double(input_.photographs.size());
+    for (const Track& track : input_.model.tracks) work_.refinedBy += double(track.observations.size());
   }
 
   void countCells() {

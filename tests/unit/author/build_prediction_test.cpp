@@ -56,6 +56,35 @@ TEST_CASE("costs grow with the work, and shrink with threads down to the longest
   CHECK(costOf({}, four, TextureFormat::rgba8, {}).empty());
 }
 
+TEST_CASE("refining poses is part of what a build takes where it is asked for, on one thread") {
+  const BuildWork work = someWork(8);
+  BuildWork refined = work;
+  refined.refinedBy = 10000;
+  const auto timeOf = [](const std::vector<StageCost>& stages, std::string_view name) {
+    const auto found = std::ranges::find_if(stages, [&](const auto& s) { return s.stage == name; });
+    return found == stages.end() ? 0 : found->seconds;
+  };
+  CHECK(timeOf(costOf(work, {}, TextureFormat::rgba8, {}), "refining poses") == 0);
+  const double once = timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses");
+  CHECK(once > 0.1);
+  CHECK(timeOf(costOf(refined, {4, 4, 4, 4}, TextureFormat::rgba8, {}), "refining poses") == once);
+  refined.refinedBy *= 2;
+  CHECK(timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses") == Approx(2 * once));
+
+  const test::CourtPhotographs set = court(4);
+  for (const bool refines : {false, true}) {
+    BuildOptions options = set.options;
+    options.refinePoses = refines;
+    bool told = true;
+    options.predicted = [&](const BuildPrediction& p) {
+      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
+      return false;
+    };
+    build(options);
+    CHECK_FALSE(told);  // the court's poses are exact
+  }
+}
+
 TEST_CASE("comparing exposures is part of what a build takes, unless it is not asked for") {
   BuildWork work = someWork(8);
   const auto compared = [](const std::vector<StageCost>& stages) {
