@@ -137,7 +137,7 @@ TEST_CASE("COLMAP gets upright photographs with what EXIF says, unless they are 
   for (int x = 0; x < 40; ++x) picture.pixel(x, 0)[0] = 250;
   test::writeTurned(place.folder / "photos/e.jpg", test::storedAs(6, picture), 6);
   Image8 mask(30, 40, 1, 255);
-  mask.pixel(29, 5)[0] = 0;  // at the top of the upright picture
+  mask.pixel(0, 34)[0] = 0;  // at the top of the upright picture
   fs::create_directories(place.folder / "masks");
   writeImage(place.folder / "masks/e.jpg.png", mask);
   PoseOptions options = place.options();

@@ -217,8 +217,12 @@ TEST_CASE("what is the matter with one photograph is told of that one") {
     CHECK(!advice.advice[0].remedy.empty());
   };
   SECTION("it is not used") {
-    scene.unused = {{"last.jpg", "it is blank"}};
-    only("unused", "last.jpg is not used: it is blank.");
+    scene.unused = {{"last.jpg", kNotRegistered}};
+    only("unused", "last.jpg is not used: not registered");
+    scene.unused = {{"last.heic", "HEIC files are not read: convert them"}};  // which says what to do
+    const Advice told = adviseCapture(scene).advice.at(0);
+    CHECK(told.sentence == "last.heic is not used: HEIC files are not read: convert them.");
+    CHECK(told.remedy.empty());
   }
   SECTION("it repeats another") {
     std::vector<Camera> cameras = grid(4, 0.5);
