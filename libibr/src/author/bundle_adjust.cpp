@@ -23,10 +23,11 @@
 namespace ibr {
 namespace {
 
-// What Ceres changes; all zero at the start but for a point's inverse distance.
+// What Ceres changes; all zero at the start but for a point's inverse distance. Each kind in one piece: within a group,
+// Ceres orders by address, and sums in that order.
 struct Unknowns {
   std::vector<std::array<double, kPoseUnknowns>> poses;
-  std::map<std::uint32_t, std::array<double, kLensUnknowns>> lenses;
+  std::vector<std::array<double, kLensUnknowns>> lenses;
   std::vector<std::array<double, kPointUnknowns>> points;
 };
 
@@ -72,7 +73,8 @@ class Adjustment {
       : cameras_(cameras), given_(points), options_(options) {
     unknowns_.poses.resize(cameras.size());
     unknowns_.points.resize(points.size());
-    for (const BundleCamera& camera : cameras) unknowns_.lenses.try_emplace(camera.intrinsics);
+    for (const BundleCamera& camera : cameras) lensOf_.try_emplace(camera.intrinsics, lensOf_.size());
+    unknowns_.lenses.resize(lensOf_.size());
     for (const BundlePoint& point : points) {
       anchored_.push_back(anchored(point));
       unknowns_.points[anchored_.size() - 1][2] = anchored_.back().inverseDistance;
@@ -119,12 +121,12 @@ class Adjustment {
       for (const BundleObservation& seen : given_[p].seen) {
         const BundleCamera& camera = cameras_[seen.camera];
         double* const pose = unknowns_.poses[seen.camera].data();
-        double* const lens = unknowns_.lenses.at(camera.intrinsics).data();
+        double* const lens = unknowns_.lenses[lensOf_.at(camera.intrinsics)].data();
         double* const point = unknowns_.points[p].data();
         problem_.AddResidualBlock(new Residual(camera.camera, anchored_[p], seen.pixel), loss_.get(), pose, lens, point);
         order_->AddElementToGroup(point, 0);
         order_->AddElementToGroup(pose, 1);
-        order_->AddElementToGroup(lens, 1);
+        order_->AddElementToGroup(lens, 2);
       }
     }
   }
@@ -142,8 +144,8 @@ class Adjustment {
     std::set<std::uint32_t> kept;
     for (const BundleCamera& camera : cameras_)
       if (camera.keepIntrinsics) kept.insert(camera.intrinsics);
-    for (auto& [number, unknowns] : unknowns_.lenses) {
-      double* const lens = unknowns.data();
+    for (const auto& [number, index] : lensOf_) {
+      double* const lens = unknowns_.lenses[index].data();
       if (!problem_.HasParameterBlock(lens)) continue;
       if (options_.focal > 0 && options_.centrePx > 0 && !kept.contains(number))
         problem_.AddResidualBlock(prior<kLensUnknowns>({options_.focal, options_.centrePx, options_.centrePx}), nullptr,
@@ -157,7 +159,7 @@ class Adjustment {
     Bundle bundle;
     for (std::size_t i = 0; i < cameras_.size(); ++i)
       bundle.cameras.push_back(movedCamera(cameras_[i].camera, unknowns_.poses[i].data(),
-                                           unknowns_.lenses.at(cameras_[i].intrinsics).data()));
+                                           unknowns_.lenses[lensOf_.at(cameras_[i].intrinsics)].data()));
     for (std::size_t p = 0; p < given_.size(); ++p)
       bundle.points.push_back(placedPoint(anchored_[p], unknowns_.points[p].data()));
     return bundle;
@@ -168,6 +170,7 @@ class Adjustment {
   const BundleOptions& options_;
   std::vector<AnchoredPoint> anchored_;
   Unknowns unknowns_;
+  std::map<std::uint32_t, std::size_t> lensOf_;  // by the number of intrinsics
   std::unique_ptr<ceres::LossFunction> loss_ =
       options_.cauchyPx > 0 ? std::unique_ptr<ceres::LossFunction>(new ceres::CauchyLoss(options_.cauchyPx))
                             : std::make_unique<ceres::SoftLOneLoss>(options_.softPx);
