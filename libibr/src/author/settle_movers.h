@@ -5,8 +5,7 @@
 //   1. a region whose photograph is unsure is its own where another photograph says so
 //   2. what is the photograph's own is masked in it, where another one shows the place without it
 //   3. where too much of it hides what nobody else shows it stays, all of it: then that place is masked in the others,
-//   so
-//      that it is seen from everywhere as that one photograph has it. The most hidden are decided first
+//      so that it is seen from everywhere as that one photograph has it. The most hidden are decided first
 #pragma once
 
 #include <cstdint>
