@@ -78,8 +78,13 @@ double memberPairs(const BuildWork& work) {
 }
 
 double bytesToCompareExposures(const BuildWork& work) {
-  constexpr double kBytesPerPair = 1e5;  // of its points: where they are looked at, what is seen, what is solved
-  return work.exposures ? kBytesPerPair * memberPairs(work) : 0;
+  // Of points: where they are looked at, what is seen, what is solved. There are fewer of each where there are many.
+  constexpr double kBytesPerPair = 1e5, kMostCells = 300;
+  constexpr double kBytesPerPhotograph = 2.2e6, kMostPhotographs = 72;  // with overlaps and tracks
+  if (!work.exposures) return 0;
+  const double fewer = std::min(1.0, kMostCells / std::max(double(work.cells.size()), 1.0));
+  return kBytesPerPair * memberPairs(work) * fewer +
+         kBytesPerPhotograph * std::min(double(work.photographs), kMostPhotographs);
 }
 
 double bytesKept(const CellWork& cell) {

@@ -33,10 +33,10 @@ struct ExposureMatch {
   double firstRadius = 0, secondRadius = 0;  // vignettingRadius
 };
 
-/// What the cells' vertices of tier 0 say, at most 500 a cell; what overlaps say of photographs that no cell joins
-/// (author/exposure_overlap.h); and the model's tracks of photographs that neither joins: means of linear light over
-/// small windows, where nothing is clipped or masked. `model`: of these photographs, `scene`: its nodes are these, with
-/// its cells. Throws Error{cancelled}, and what reading a photograph throws.
+/// What the cells' vertices of tier 0 say, at most 500 a cell (fewer of more than 300 cells); what overlaps say of
+/// photographs that no cell joins (author/exposure_overlap.h); and the model's tracks of photographs that neither joins:
+/// means of linear light over small windows, where nothing is clipped or masked. `model`: of these photographs,
+/// `scene`: its nodes are these, with its cells. Throws Error{cancelled}, and what reading a photograph throws.
 std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
                                            const Scene& scene, const BuildJobs& jobs);
 

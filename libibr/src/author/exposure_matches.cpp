@@ -18,7 +18,8 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMostPoints = 500;      // of a cell
+constexpr std::size_t kMostPoints = 500, kFewestPoints = 100;  // of a cell …
+constexpr std::size_t kPointsInAll = 150000;                   // … and of as many cells as one likes
 constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
 constexpr double kLeastMean = 0.003;           // linear light
 constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression
@@ -102,7 +103,7 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
 }
 
 // Vertices of tier 0, evenly chosen.
-std::vector<std::uint32_t> pointsOf(const MorphMesh& mesh) {
+std::vector<std::uint32_t> pointsOf(const MorphMesh& mesh, std::size_t most) {
   std::vector<bool> agrees(mesh.pointCount(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (mesh.tier[t] == kTierAgrees)
@@ -110,7 +111,7 @@ std::vector<std::uint32_t> pointsOf(const MorphMesh& mesh) {
   std::vector<std::uint32_t> all, points;
   for (std::uint32_t p = 0; p < agrees.size(); ++p)
     if (agrees[p]) all.push_back(p);
-  const std::size_t count = std::min(all.size(), kMostPoints);
+  const std::size_t count = std::min(all.size(), most);
   for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
   return points;
 }
@@ -155,8 +156,8 @@ struct Pair {
   double texture;    // … and more, of a window's own spread: they do not show quite the same
 };
 
-void addCell(const Cell& cell, Samples& samples, std::vector<Pair>& pairs) {
-  const std::vector<std::uint32_t> points = pointsOf(cell.mesh);
+void addCell(const Cell& cell, std::size_t most, Samples& samples, std::vector<Pair>& pairs) {
+  const std::vector<std::uint32_t> points = pointsOf(cell.mesh, most);
   std::vector<std::size_t> begin;
   for (std::size_t i = 0; i < cell.members.size(); ++i)
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -263,7 +264,9 @@ std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photog
                                            const Scene& scene, const BuildJobs& jobs) {
   Samples samples(photographs.size());
   std::vector<Pair> pairs;
-  for (const Cell& cell : scene.cells) addCell(cell, samples, pairs);
+  const std::size_t most =
+      std::clamp(kPointsInAll / std::max<std::size_t>(scene.cells.size(), 1), kFewestPoints, kMostPoints);
+  for (const Cell& cell : scene.cells) addCell(cell, most, samples, pairs);
   for (const OverlapPoint& point : overlapPoints(photographs, model, scene, jobs))
     addOverlap(point, photographs, samples, pairs);
   Joined joined;

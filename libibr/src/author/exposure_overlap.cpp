@@ -18,7 +18,8 @@ namespace ibr {
 namespace {
 
 constexpr int kDepthSide = 128, kGridSide = 96;  // of a photograph's longest side
-constexpr std::size_t kPairPoints = 1200;        // of a pair
+constexpr std::size_t kMostPoints = 1200, kFewestPoints = 50;  // of a pair …
+constexpr std::size_t kPointsInAll = 350000;                  // … and of as many photographs as one likes
 constexpr std::size_t kLeastPoints = 8;
 constexpr std::size_t kPartners = 8, kTried = 16;
 constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
@@ -89,6 +90,8 @@ double reachOf(const Intrinsics& k) {
 class Overlaps {
  public:
   Overlaps(std::vector<Around> around, const Scene& scene) : around_(std::move(around)) {
+    const std::size_t pairs = std::max<std::size_t>(around_.size() * kPartners / 2, 1);
+    most_ = std::clamp(kPointsInAll / pairs, kFewestPoints, kMostPoints);
     for (const Around& a : around_) reach_.push_back(reachOf(a.camera->intrinsics));
     for (const Cell& cell : scene.cells)
       for (const std::uint32_t a : cell.members)
@@ -110,7 +113,7 @@ class Overlaps {
     for (const glm::dvec2 pixel : gridOf(around_[a].camera->intrinsics))
       if (const auto inverse = sharedAt(around_[a], around_[b], pixel))
         all.push_back({a, b, worldRay(*around_[a].camera, pixel), *inverse});
-    const std::size_t count = std::min(all.size(), kPairPoints);
+    const std::size_t count = std::min(all.size(), most_);
     for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
     return points;
   }
@@ -142,6 +145,7 @@ class Overlaps {
 
   std::vector<Around> around_;
   std::vector<double> reach_;
+  std::size_t most_;  // points of a pair
   std::set<std::pair<std::uint32_t, std::uint32_t>> joined_;
 };
 

@@ -25,9 +25,9 @@ struct OverlapPoint {
   double inverseDistance = 0;           // from the first along it, per unit of the world; 0: at infinity
 };
 
-/// At most 1200 points for each two photographs that no cell joins, each with its 8 nearest such neighbours, and those
-/// with it. `model`: of these photographs, `scene`: its nodes are these, with the cells that there are. Throws
-/// Error{cancelled}.
+/// At most 1200 points (fewer of more than 72 photographs) for each two photographs that no cell joins, each with its 8
+/// nearest such neighbours, and those with it. `model`: of these photographs, `scene`: its nodes are these, with the
+/// cells that there are. Throws Error{cancelled}.
 std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
                                         const Scene& scene, const BuildJobs& jobs);
 
