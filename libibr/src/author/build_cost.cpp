@@ -82,7 +82,7 @@ double bytesToCompareExposures(const BuildWork& work) {
   constexpr double kBytesPerPair = 1e5, kMostCells = 300;
   constexpr double kBytesPerPhotograph = 2.2e6, kMostPhotographs = 72;  // with overlaps and tracks
   if (!work.exposures) return 0;
-  const double fewer = std::min(1.0, kMostCells / std::max(double(work.cells.size()), 1.0));
+  const double fewer = std::clamp(kMostCells / std::max(double(work.cells.size()), 1.0), 0.2, 1.0);
   return kBytesPerPair * memberPairs(work) * fewer +
          kBytesPerPhotograph * std::min(double(work.photographs), kMostPhotographs);
 }
