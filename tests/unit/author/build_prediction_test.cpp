@@ -212,7 +212,8 @@ TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
 }
 
 TEST_CASE("less memory means fewer threads, never more memory") {
-  const test::CourtPhotographs set = court(6);
+  // So large that a job takes much more than what the test itself gets to hold between two predictions.
+  const test::CourtPhotographs set(makeCourt(6, 480, 360, 1));
   BuildOptions options = set.options;
   options.threads = 8;
   const auto predicted = [&](double memory) {
