@@ -100,10 +100,10 @@ struct PoseReport {
 };
 
 /// Finds features, matches them (all pairs of up to 60 photographs, else neighbours in the order of their names) and
-/// estimates poses, of upright pictures. Photographs that are all of one size are taken for those of one lens. A step that is finished is not
-/// done again while the photographs stay as they are; one that is cancelled ends the program. Throws Error: io where the
-/// program is missing or fails (with its last lines), invalidInput where it finds no poses or photographs cannot be read
-/// (all of them are named, before the program is run), cancelled.
+/// estimates poses, of upright pictures. Photographs that are all of one size are taken for those of one lens. A step
+/// that is finished is not done again while the photographs stay as they are; one that is cancelled ends the program.
+/// Throws Error: io where the program is missing or fails (with its last lines), invalidInput where it finds no poses
+/// or photographs cannot be read (all of them are named, before the program is run), cancelled.
 PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 /// Where points come from that two or more photographs see.

@@ -25,9 +25,8 @@ struct BaselineOptions {
 /// that was used; a picture takes about 60 bytes a pixel while it is made.
 class Baselines {
  public:
-  /// The scene and its stored photographs must outlive it. Throws Error{unsupported} where a node is no pinhole,
-  /// or has a mask, which none of them heeds,
-  /// Error{invalidInput} without nodes.
+  /// The scene and its stored photographs must outlive it. Throws Error{unsupported} where a node is no pinhole, or has
+  /// a mask, which none of them heeds, Error{invalidInput} without nodes.
   explicit Baselines(const Scene& scene, const BaselineOptions& options = {});
   Baselines(Baselines&&) noexcept;
   ~Baselines();

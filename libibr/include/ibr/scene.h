@@ -89,10 +89,10 @@ struct GeographicOrigin {
   double latitudeDegrees = 0, longitudeDegrees = 0, heightMetres = 0;
 };
 
-/// A photograph that no cell shows.
-/// Why a photograph is not used of which nothing else is known to be wrong.
+/// UnusedPhotograph::reason where nothing else is known to be wrong than that the poses do not know it: taken again,
+/// nearer to the others, they may.
 inline constexpr const char* kNotRegistered = "not registered: the model has no pose for it";
-
+/// A photograph that no cell shows.
 struct UnusedPhotograph {
   std::string name;    // a node's, or that of a file which the poses do not know
   std::string reason;  // for people

@@ -219,12 +219,12 @@ class Builder {
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
         R"("backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
-        R"("matchExposures":{},"vignetting":{}}})",
+        R"("matchExposures":{},"vignetting":{},"refinePoses":{},"removeMovers":{}}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
         input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
         options_.keepBorder, methodName(options_.matcher),
         options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous",
-        options_.matchExposures, options_.fitVignetting);
+        options_.matchExposures, options_.fitVignetting, options_.refinePoses, options_.removeMovers);
   }
 
   void planCells() {

@@ -113,13 +113,13 @@ class Estimator {
           "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
     if (ours && readTextFile(file("key")) != key) fs::remove_all(options_.folder);
     makeFolders(options_.folder);
+    writeFile(file("key"), key);
     if (!fs::exists(file("photographs.txt"))) {
       look();
       std::string list;
       for (const std::string& name : names_) list += name + '\n';
       writeFile(file("photographs.txt"), list);
     }
-    writeFile(file("key"), key);
   }
 
   void probe() {

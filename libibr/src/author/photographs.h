@@ -41,8 +41,9 @@ inline constexpr int kJpegQuality = 95;  // of what is stored anew
 bool isJpeg(const std::filesystem::path& path);
 
 /// Finds the file of a model's image and plans how it is stored: freed of its lens's distortion, at most `maxSize` px
-/// along its longest side (0: as it is), turned as asked, automatically where the shape says so for certain. Throws Error (io, invalidInput) that names the file where it is missing,
-/// unreadable, or has neither the camera's size nor a uniform scale of it.
+/// along its longest side (0: as it is), turned as asked, automatically where the shape says so for certain. Throws
+/// Error (io, invalidInput) that names the file where it is missing, unreadable, or has neither the camera's size nor a
+/// uniform scale of it.
 Photograph findPhotograph(const std::filesystem::path& folder, const PosedImage& image, int maxSize,
                           Orientation orientation = Orientation::automatic);
 
