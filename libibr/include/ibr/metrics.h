@@ -20,6 +20,11 @@ double psnr(const Image8& a, const Image8& b, const Image8& mask);
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
+/// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the one before, with
+/// the weights of the paper; 1 for equal pictures, 0 where a scale's pictures are opposites. NaN where a side is shorter
+/// than 176 px (11 at the coarsest scale).
+double msSsim(const Image8& a, const Image8& b);
+
 /// LDR-FLIP (Andersson et al. 2020): how strong a difference is seen when the pictures alternate in one place, 0 (none)
 /// to 1, a pixel; the eye sees `pixelsPerDegree` of them in a degree (1 to 1000; 67: a display of 0.7 m and 3840 px at
 /// 0.7 m). Symmetric. The map has one channel. Throws Error{invalidInput} also for empty pictures.
@@ -32,6 +37,14 @@ double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixe
 /// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count in a mask (1 channel, nonzero);
 /// NaN where none does.
 double deltaE(const Image8& a, const Image8& b, const Image8& mask);
+
+/// What a picture keeps of the truth's detail, over differences of luma between neighbouring pixels that both count in
+/// the mask (1 channel, nonzero). NaN where no such pixels differ in the truth.
+struct Detail {
+  double energy;       // Σ d² of the picture / Σ d² of the truth: below 1 it is blurred, above 1 it has edges of ghosts
+  double correlation;  // of both pictures' d (without means), -1 to 1: 1 where edges stand where they stood
+};
+Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
 /// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
 struct Difference {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "formula_pictures.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
 
@@ -61,6 +62,18 @@ TEST_CASE("FLIP of flat pictures is that of their colours") {
     CHECK(largest(map) == Approx(*std::min_element(map.values.begin(), map.values.end())).epsilon(1e-4));
     before = largest(map);
   }
+}
+
+TEST_CASE("FLIP is that of its authors' formulas") {
+  // By NumPy in double precision with two-dimensional kernels, after the constants of the authors' own program.
+  const Image8 a = ramp(96, 64, 2, 1, 40), b = ramp(96, 64, 2, 1, 55);
+  CHECK(flip(a, b) == Approx(0.5343636803).epsilon(2e-4));
+  CHECK(flip(a, b, 30) == Approx(0.5003503904).epsilon(2e-4));
+  const Image8 c = blocks(96, 64, 8, 1);
+  CHECK(flip(c, blocks(96, 64, 8, 2)) == Approx(0.6876422686).epsilon(2e-4));
+  CHECK(flip(c, blocks(96, 64, 8, 2), 30) == Approx(0.7167801859).epsilon(2e-4));
+  CHECK(flip(c, rolled(c)) == Approx(0.2054815137).epsilon(2e-4));
+  CHECK(flip(c, rolled(c), 30) == Approx(0.1748741696).epsilon(2e-4));
 }
 
 TEST_CASE("FLIP is symmetric, 0 for equal pictures, within 0 and 1, and grows with noise") {

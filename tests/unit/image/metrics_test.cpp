@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "formula_pictures.h"
 #include "ibr/error.h"
 
 using namespace ibr;
@@ -125,6 +126,75 @@ TEST_CASE("SSIM takes the windows that lie wholly inside picture and mask") {
   CHECK(std::isnan(ssim(noise(10, 40, 3, 1), noise(10, 40, 3, 2))));  // no room for a window
 }
 
+TEST_CASE("MS-SSIM follows its definition") {
+  const Image8 a = blocks(190, 181, 16, 1);
+  Image8 b = rolled(a);
+  for (auto& v : b.values) v = std::uint8_t(0.75 * v + 32);
+  CHECK(msSsim(a, a) == Approx(1.0).epsilon(1e-12));
+  CHECK(msSsim(a, b) == msSsim(b, a));
+  // By NumPy and OpenCV's separable Gaussian, in double precision, of the same pictures.
+  CHECK(msSsim(a, b) == Approx(0.8940639711).epsilon(1e-6));
+  // What is only lighter differs at the coarsest scale alone.
+  const double c1 = 2.55 * 2.55;
+  CHECK(msSsim(Image8(200, 180, 3, 100), Image8(200, 180, 3, 120)) ==
+        Approx(std::pow((2 * 100 * 120 + c1) / (100 * 100 + 120 * 120 + c1), 0.1333)));
+  // Fine noise is worse for SSIM than for the scales together; an opposite has nothing in common at any.
+  Image8 noisy = a, opposite = a;
+  std::mt19937 random(3);
+  for (auto& v : noisy.values) v = std::uint8_t(std::min(255, v / 2 + int(random() % 64)));
+  for (auto& v : opposite.values) v = std::uint8_t(255 - v);
+  CHECK(msSsim(a, noisy) > ssim(a, noisy));
+  CHECK(msSsim(a, opposite) == 0.0);
+}
+
+TEST_CASE("MS-SSIM needs 11 pixels at its coarsest scale") {
+  CHECK(msSsim(Image8(176, 176, 3, 7), Image8(176, 176, 3, 7)) == Approx(1.0));
+  CHECK(std::isnan(msSsim(Image8(175, 400, 3, 7), Image8(175, 400, 3, 7))));
+  CHECK(std::isnan(msSsim(Image8(400, 10, 3, 7), Image8(400, 10, 3, 7))));
+  CHECK(std::isnan(msSsim(Image8(1, 1, 3, 7), Image8(1, 1, 3, 7))));
+}
+
+TEST_CASE("detail: blur has less, a ghost has more, and moved edges are others") {
+  const Image8 truth = blocks(80, 64, 8, 5), all(80, 64, 1, 255);
+  const auto mixed = [](const Image8& a, const Image8& b) {
+    Image8 image = a;
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+      image.values[i] = std::uint8_t((a.values[i] + b.values[i]) / 2);
+    return image;
+  };
+  CHECK(detail(truth, truth, all).energy == 1.0);
+  CHECK(detail(truth, truth, all).correlation == Approx(1.0));
+  const Image8 blurred = mixed(truth, rolled(truth));
+  CHECK(detail(blurred, truth, all).energy < 0.85);
+  // Bars that another picture has stand where none are.
+  Image8 both = truth;
+  for (int y = 0; y < both.height; ++y)
+    for (int x = 0; x < both.width; x += 5)
+      for (auto& v : both.pixel(x, y)) v = std::uint8_t(v ^ 128);
+  CHECK(detail(both, truth, all).energy > 1.1);
+  CHECK(detail(both, truth, all).correlation < 0.8);
+  CHECK(detail(plus(Image8(80, 64, 3, 9), 3), truth, all).energy == 0.0);
+  CHECK(detail(Image8(80, 64, 3, 9), truth, all).correlation == 0.0);
+  Image8 opposite = truth;
+  for (auto& v : opposite.values) v = std::uint8_t(255 - v);
+  CHECK(detail(opposite, truth, all).energy == Approx(1.0));
+  CHECK(detail(opposite, truth, all).correlation == Approx(-1.0));
+}
+
+TEST_CASE("detail counts neighbours that are both inside the mask") {
+  Image8 a(3, 1, 3, 0), b(3, 1, 3, 0);
+  a.pixel(1, 0)[1] = 100, b.pixel(1, 0)[1] = 50;  // steps of 58.7 and 29.35 on both sides
+  a.pixel(2, 0)[1] = 100;
+  Image8 mask(3, 1, 1, 255);
+  CHECK(detail(b, a, mask).energy == Approx(0.5));
+  mask.pixel(2, 0)[0] = 0;
+  CHECK(detail(b, a, mask).energy == Approx(0.25));
+  CHECK(detail(b, a, mask).correlation == Approx(1.0));
+  mask.pixel(1, 0)[0] = 0;
+  CHECK(std::isnan(detail(b, a, mask).energy));
+  CHECK(std::isnan(detail(Image8(1, 1, 3), Image8(1, 1, 3), Image8(1, 1, 1, 1)).correlation));
+}
+
 TEST_CASE("colour differences of known colours") {
   const auto one = [](int r, int g, int b) {
     Image8 image(1, 1, 3);
@@ -162,4 +232,8 @@ TEST_CASE("pictures that cannot be compared are refused") {
   CHECK_THROWS_AS(ssim(a, small), Error);
   CHECK_THROWS_AS(ssim(a, a, wideMask), Error);
   CHECK_THROWS_AS(difference(a, small, 1), Error);
+  CHECK_THROWS_AS(msSsim(a, small), Error);
+  CHECK_THROWS_AS(msSsim(a, greyOnly), Error);
+  CHECK_THROWS_AS(detail(a, small, mask), Error);
+  CHECK_THROWS_AS(detail(a, a, wideMask), Error);
 }
