@@ -35,10 +35,12 @@ ExitCode comparePictures(const Options& options, const Context& context) {
   check(a.width == b.width && a.height == b.height, ErrorCode::invalidInput, "{} is {}×{} px, but {} {}×{}", options.a,
         a.width, a.height, options.b, b.width, b.height);
   const Difference found = difference(a, b, tolerance ? tolerance->levels : 0);
-  const double decibels = psnr(a, b), similarity = ssim(a, b), seen = flip(a, b), percent = 100 * found.shareAbove;
+  const double decibels = psnr(a, b), similarity = ssim(a, b), seen = flip(a, b), scales = msSsim(a, b),
+               percent = 100 * found.shareAbove;
   const bool within = !tolerance || (percent <= tolerance->percent && found.largest <= tolerance->largest);
   context.print("PSNR                {} dB\n", numberText(decibels, 3));
   context.print("SSIM                {}\n", numberText(similarity, 5));
+  context.print("MS-SSIM             {}\n", numberText(scales, 5));
   context.print("FLIP                {}\n", numberText(seen, 5));
   context.print("largest difference  {} levels\n", found.largest);
   context.print("mean difference     {} levels\n", numberText(found.meanAbsolute, 4));
@@ -46,15 +48,11 @@ ExitCode comparePictures(const Options& options, const Context& context) {
                 tolerance ? tolerance->levels : 0);
   if (tolerance) context.print("{}\n", within ? "within the tolerance" : "over the tolerance");
   if (!options.output.empty()) writeImage(options.output, absoluteDifference(a, b, options.gain));
-  Json report{{"a", options.a},
-              {"b", options.b},
-              {"psnr", decibels},
-              {"ssim", similarity},
-              {"flip", seen},
-              {"largest", found.largest},
-              {"meanAbsolute", found.meanAbsolute},
-              {"percentAbove", percent},
-              {"tolerance", nullptr},
+  Json report{{"a", options.a},           {"b", options.b},
+              {"psnr", decibels},         {"ssim", similarity},
+              {"msSsim", scales},         {"flip", seen},
+              {"largest", found.largest}, {"meanAbsolute", found.meanAbsolute},
+              {"percentAbove", percent},  {"tolerance", nullptr},
               {"within", within}};
   if (tolerance) report["tolerance"] = {tolerance->levels, tolerance->percent, tolerance->largest};
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));

@@ -34,6 +34,9 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"ssimCovered", "SSIM covered", Shown::always, 4, &Scores::ssimCovered},
                                {"psnrGain", "PSNR gain", Shown::withGain, 2, &Scores::psnrGain},
                                {"psnrCoveredGain", "covered gain", Shown::withGain, 2, &Scores::psnrCoveredGain},
+                               {"msSsim", "MS-SSIM", Shown::always, 4, &Scores::msSsim},
+                               {"detailEnergy", "detail", Shown::always, 2, &Scores::detailEnergy},
+                               {"detailCorrelation", "", Shown::never, 3, &Scores::detailCorrelation},
                                {"seam", "", Shown::never, 3, &Scores::seam},
                                {"deltaE", "", Shown::never, 3, &Scores::deltaE},
                                {"misalignedPx", "", Shown::never, 2, &Scores::misaligned},
@@ -53,6 +56,12 @@ double flipOfPart(const Image8& prediction, const Image8& truth, const Image8& u
     for (int x = 0; x < used.width; ++x)
       if (!used.pixel(x, y)[0]) std::copy_n(truth.pixel(x, y).begin(), 3, same.pixel(x, y).begin());
   return flip(same, truth) / share;
+}
+
+void scoreDetail(const Image8& prediction, const Image8& truth, const Image8& cover, Scores& scores) {
+  const Detail found = detail(prediction, truth, cover);
+  scores.detailEnergy = found.energy;
+  scores.detailCorrelation = found.correlation;
 }
 
 // Shares are of what counts.
@@ -83,6 +92,7 @@ Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, 
   scores.coverageTier2 = tiers[kTierBackdrop] / count;
   scores.psnrCovered = psnr(prediction, truth, cover);
   scores.ssimCovered = ssim(prediction, truth, cover);
+  scoreDetail(prediction, truth, cover, scores);
   if (fitGain) {
     const Image8 fitted = gainFitted(prediction, truth, cover);
     scores.psnrGain = psnr(fitted, truth, used);
@@ -111,6 +121,8 @@ Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const 
   scores.coverageTier2 = tiers[kTierBackdrop];
   scores.psnrCovered = psnr(prediction, truth, mask);
   scores.ssimCovered = ssim(prediction, truth, mask);
+  scores.msSsim = msSsim(prediction, truth);
+  scoreDetail(prediction, truth, mask, scores);
   if (fitGain) {
     const Image8 fitted = gainFitted(prediction, truth, mask);
     scores.psnrGain = psnr(fitted, truth);

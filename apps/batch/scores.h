@@ -13,10 +13,12 @@ namespace ibr::app {
 struct Scores {
   Scores();  // nothing measured
   double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered;
-  double psnrGain, psnrCoveredGain;  // after the gain of each channel that fits best
-  double seam, deltaE;               // colour_scores.h
-  double misaligned, misaligned95;   // px between what cells say of one place (render/alignment.h): median, 95 %
-  double uncorrected, uncorrected95;  // likewise, had cells not been aligned
+  double psnrGain, psnrCoveredGain;        // after the gain of each channel that fits best
+  double msSsim;                           // of the whole picture; with `used`: none
+  double detailEnergy, detailCorrelation;  // of what is covered (ibr/metrics.h, Detail)
+  double seam, deltaE;                     // colour_scores.h
+  double misaligned, misaligned95;         // px between what cells say of one place (render/alignment.h): median, 95 %
+  double uncorrected, uncorrected95;       // likewise, had cells not been aligned
   double milliseconds;
 };
 

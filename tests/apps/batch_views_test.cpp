@@ -183,8 +183,9 @@ TEST_CASE("eval reports the keys that were promised, and pictures") {
   REQUIRE(report.at("views").size() == 3);
   double sum = 0;
   for (const auto& view : report.at("views")) {
-    for (const char* key : {"name", "psnr", "ssim", "flip", "coverage", "coverageTier0", "coverageTier1",
-                            "coverageTier2", "psnrCovered", "ssimCovered", "milliseconds"})
+    for (const char* key :
+         {"name", "psnr", "ssim", "flip", "coverage", "coverageTier0", "coverageTier1", "coverageTier2", "psnrCovered",
+          "ssimCovered", "msSsim", "detailEnergy", "detailCorrelation", "milliseconds"})
       CHECK(view.contains(key));
     CHECK(view["flip"] < 0.05);
     CHECK(view["coverageTier0"] <= view["coverage"]);
@@ -193,6 +194,8 @@ TEST_CASE("eval reports the keys that were promised, and pictures") {
     CHECK((view["psnrCovered"].is_null() || view["psnrCovered"] > 40));
     CHECK(view["coverage"] == 1.0);
     CHECK(view["ssimCovered"] > 0.99);
+    CHECK(view["detailEnergy"].get<double>() == Approx(1).margin(0.02));
+    CHECK(view["detailCorrelation"] > 0.99);
     CHECK(view["milliseconds"] > 0);
     sum += view["ssim"].get<double>();
   }
@@ -212,6 +215,8 @@ TEST_CASE("eval of a view between the photographs finds it near the truth") {
   CHECK(view.at("psnrCovered") > 25);
   CHECK(view.at("psnrCovered") > view.at("psnr"));
   CHECK(view.at("ssimCovered") > 0.8);
+  CHECK(view.at("detailCorrelation") > 0.7);
+  CHECK(view.at("msSsim").is_null());  // of 144 rows
 }
 
 TEST_CASE("what is asked for wins over a preset, wherever it stands") {
@@ -302,8 +307,8 @@ TEST_CASE("eval --masks: what a mask of the truth covers counts in no score") {
   CHECK(double(masked.at("flip")) == Approx(double(clean.at("flip"))).epsilon(0.1));
 
   writeImage(folder / "masks/between.png.png", Image8(8, 8, 1, 255));
-  const auto wrong = test::runProgram(
-      {"eval", test::tinyScene(), "--truth", folder / "truth", "--masks", folder / "masks"});
+  const auto wrong =
+      test::runProgram({"eval", test::tinyScene(), "--truth", folder / "truth", "--masks", folder / "masks"});
   CHECK(wrong.code == 3);
   CHECK_THAT(wrong.err, Contains("between.png.png") && Contains("8 × 8") && Contains("192 × 144"));
 }
