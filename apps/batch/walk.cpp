@@ -5,16 +5,16 @@
 // the main cell that cannot be seen makes none larger than they are.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 
 #include "base/check.h"
 #include "batch/command.h"
 #include "batch/poses.h"
 #include "batch/union_of_views.h"
+#include "batch/walk_figures.h"
 #include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "shared/auto_path.h"
@@ -23,8 +23,6 @@
 #include "shared/progress.h"
 #include "shared/scene_renderer.h"
 #include "shared/settings.h"
-#include "shared/statistics.h"
-#include "shared/table.h"
 
 namespace fs = std::filesystem;
 
@@ -33,8 +31,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kTierCount = kTierFilled + 1;
 constexpr int kDifferenceGain = 4;
+
+constexpr int kHolds = 4;       // places of a walk where the camera is held still …
+constexpr int kHeldFrames = 3;  // … for so many frames after all mixtures and fades are over
 
 struct Options {
   std::string scene, poses, output;
@@ -42,18 +42,11 @@ struct Options {
   PictureSize size;
   RenderSettings settings;
   GpuSceneOptions gpuScene;
+  bool pop = false, stereo = false;
+  double ipd = 0;
 };
 
-struct Frame {
-  std::int64_t mainCell = -1;
-  bool switching = false;  // between a switch of the main cell and the end of its mixture
-  double step = NAN;       // from the frame before, levels; NaN for the first
-  double coverage = 0;
-  double coverageInside = NAN;  // of the pixels that some photograph sees; NaN where none does
-  std::array<double, kTierCount> tier{};
-};
-
-void measureTiers(const Image8& image, const UnionOfViews& photographs, const Camera& camera, Frame& frame) {
+void measureTiers(const Image8& image, const UnionOfViews& photographs, const Camera& camera, WalkFrame& frame) {
   frame.tier = tierShares(image);
   frame.coverage = std::accumulate(frame.tier.begin(), frame.tier.end(), 0.0);
   std::size_t inside = 0, covered = 0;
@@ -64,115 +57,118 @@ void measureTiers(const Image8& image, const UnionOfViews& photographs, const Ca
   if (inside > 0) frame.coverageInside = double(covered) / double(inside);
 }
 
-struct Summary {
-  double medianStep = NAN, largestStep = NAN, largestStepAtSwitch = NAN;
-  std::size_t switches = 0;
-  double leastCoverage = 1, leastCoverageInside = 1, meanCoverageInside = 0;
-  std::array<double, kTierCount> tier{};
+// The two frames of the largest step.
+struct WorstStep {
+  double step = -1;
+  Image8 before, after;
 };
 
-Summary summaryOf(const std::vector<Frame>& frames) {
-  Summary summary;
-  std::vector<double> steps;
-  std::size_t withInside = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const Frame& frame = frames[i];
-    if (!std::isnan(frame.step)) {
-      steps.push_back(frame.step);
-      summary.largestStep = std::fmax(summary.largestStep, frame.step);
-      if (frame.switching) summary.largestStepAtSwitch = std::fmax(summary.largestStepAtSwitch, frame.step);
+class Walk {
+ public:
+  Walk(const Options& options, const Scene& scene, const std::vector<Frame>& frames, const Context& context)
+      : options_(options), frames_(frames), photographs_(scene), settings_(options.settings) {
+    std::vector<View> views;
+    for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
+    RendererOptions wanted = optionsFor(settings_, {});
+    if (options.stereo) {
+      wanted.views = 2;
+      wanted.buffers = &scene;
     }
-    summary.switches += i > 0 && frame.mainCell != frames[i - 1].mainCell;
-    summary.leastCoverage = std::min(summary.leastCoverage, frame.coverage);
-    if (!std::isnan(frame.coverageInside)) {
-      ++withInside;
-      summary.leastCoverageInside = std::min(summary.leastCoverageInside, frame.coverageInside);
-      summary.meanCoverageInside += frame.coverageInside;
-    }
-    for (std::size_t t = 0; t < summary.tier.size(); ++t) summary.tier[t] += frame.tier[t] / double(frames.size());
+    renderer_.emplace(scene, views, options.gpuScene, wanted, context);
+    settings_.alpha = AlphaContent::tier;
   }
-  summary.medianStep = quantile(steps, 0.5);
-  summary.meanCoverageInside = withInside > 0 ? summary.meanCoverageInside / double(withInside) : NAN;
-  if (withInside == 0) summary.leastCoverageInside = NAN;
-  return summary;
-}
+
+  // To the i-th frame, after the one before.
+  void go(std::size_t i) {
+    const double dtSeconds = i > 0 ? frames_[i][0].time - frames_[i - 1][0].time : 0.0;
+    std::vector<SceneRenderer::Picture> pictures = renderer_->render(eyesOf(i), settings_, state_, dtSeconds);
+    Image8& image = pictures[0].image;
+    WalkFrame& frame = measured_.emplace_back();
+    frame.name = frames_[i][0].name;
+    frame.mainCell = state_.mainCell;
+    frame.switching = (i > 0 && measured_[i - 1].mainCell != frame.mainCell) || !state_.former.empty();
+    measureTiers(image, photographs_, frames_[i][0].camera, frame);
+    if (i > 0) frame.step = difference(image, before_, 0).meanAbsolute;
+    if (i > 0 && options_.pop) frame.flipStep = flip(image, before_);
+    if (options_.stereo)
+      frame.eyes = eyeAgreement(pictures[0], frames_[i][0].camera, pictures[1], frames_[i][1].camera);
+    if (isHeld(i)) frame.flicker = flickerAt(i);
+    if (frame.step > worst_.step) worst_ = {frame.step, before_, image};
+    before_ = std::move(image);
+  }
+
+  const std::vector<WalkFrame>& measured() const { return measured_; }
+  const WorstStep& worst() const { return worst_; }
+  const RenderSettings& settings() const { return settings_; }
+  std::string deviceName() const { return renderer_->deviceName(); }
+
+ private:
+  std::vector<Camera> eyesOf(std::size_t i) const {
+    std::vector<Camera> eyes;
+    for (const View& view : frames_[i]) eyes.push_back(view.camera);
+    return eyes;
+  }
+
+  bool isHeld(std::size_t i) const {
+    const std::size_t apart = std::max<std::size_t>(frames_.size() / kHolds, 1);
+    return i % apart == apart / 2;
+  }
+
+  // The walk itself goes on as if nobody had stood still.
+  int flickerAt(std::size_t i) {
+    PlanState state = state_;
+    const auto hold = [&](double seconds) { return renderer_->render(eyesOf(i), settings_, state, seconds)[0].image; };
+    constexpr double kLongestStep = 0.1;  // FrameInput::dtSeconds
+    const double restless = std::max({settings_.switchSeconds, 8 * settings_.exposureSeconds,
+                                      settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds});
+    Image8 still;
+    for (double passed = 0; passed <= restless + kLongestStep; passed += kLongestStep) still = hold(kLongestStep);
+    int flicker = 0;
+    for (int k = 0; k < kHeldFrames; ++k) flicker = std::max(flicker, difference(still, hold(1.0 / 30), 0).largest);
+    return flicker;
+  }
+
+  const Options& options_;
+  const std::vector<Frame>& frames_;
+  UnionOfViews photographs_;
+  RenderSettings settings_;
+  std::optional<SceneRenderer> renderer_;
+  PlanState state_;
+  std::vector<WalkFrame> measured_;
+  Image8 before_;
+  WorstStep worst_;
+};
 
 ExitCode walk(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const std::vector<View> views =
       options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
-                            : readViews(options.poses, options.size, context.log());
-  const UnionOfViews photographs(scene);
-  SceneRenderer renderer(scene, views, options.gpuScene, optionsFor(options.settings, {}), context);
-  RenderSettings settings = options.settings;
-  settings.alpha = AlphaContent::tier;
-
-  std::vector<Frame> all;
-  Json framesJson = Json::array();
-  Image8 before, atWorst, beforeWorst;
-  double worst = -1;
-  PlanState state;
+                            : readViews(options.poses, options.size, context.log(), options.stereo);
+  const std::vector<Frame> frames = framesOf(views, options.stereo, options.ipd);
+  Walk walk(options, scene, frames, context);
   {
     ProgressLine progress(context);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      check(progress.show({"walking", i, views.size()}), ErrorCode::cancelled, "stopped");
-      const double dtSeconds = i > 0 ? views[i].time - views[i - 1].time : 0.0;
-      Image8 image = renderer.render(views[i].camera, settings, state, dtSeconds).image;
-      Frame& frame = all.emplace_back();
-      frame.mainCell = state.mainCell;
-      frame.switching = (i > 0 && all[i - 1].mainCell != frame.mainCell) || !state.former.empty();
-      measureTiers(image, photographs, views[i].camera, frame);
-      if (i > 0) frame.step = difference(image, before, 0).meanAbsolute;
-      if (frame.step > worst) {
-        worst = frame.step;
-        beforeWorst = before;
-        atWorst = image;
-      }
-      before = std::move(image);
-      framesJson.push_back({{"name", views[i].name},
-                            {"mainCell", frame.mainCell},
-                            {"switching", frame.switching},
-                            {"step", frame.step},
-                            {"coverage", frame.coverage},
-                            {"coverageInside", frame.coverageInside},
-                            {"coverageTier", frame.tier}});
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      check(progress.show({"walking", i, frames.size()}), ErrorCode::cancelled, "stopped");
+      walk.go(i);
     }
-    progress.show({"walking", views.size(), views.size()});
+    progress.show({"walking", frames.size(), frames.size()});
   }
-  if (!options.output.empty() && worst >= 0) {
+  if (!options.output.empty() && walk.worst().step >= 0) {
     fs::create_directories(options.output);
-    const Image8 a = rgb(beforeWorst), b = rgb(atWorst);
+    const Image8 a = rgb(walk.worst().before), b = rgb(walk.worst().after);
     writeImage(fs::path(options.output) / "largest_step.png",
                sideBySide({a, b, absoluteDifference(a, b, kDifferenceGain)}));
   }
-
-  const Summary summary = summaryOf(all);
-  Table table;
-  table.row({"frames", std::to_string(all.size())});
-  table.row({"switches of the main cell", std::to_string(summary.switches)});
-  table.row({"median step, levels", numberText(summary.medianStep, 3)});
-  table.row({"largest step", numberText(summary.largestStep, 3)});
-  table.row({"largest step at a switch", numberText(summary.largestStepAtSwitch, 3)});
-  table.row({"  / median", numberText(summary.largestStepAtSwitch / summary.medianStep, 2)});
-  table.row({"least coverage", numberText(summary.leastCoverage, 4)});
-  table.row({"least coverage where photographs see", numberText(summary.leastCoverageInside, 4)});
-  table.row({"mean coverage where photographs see", numberText(summary.meanCoverageInside, 4)});
-  for (int t = 0; t < kTierCount; ++t)
-    table.row({"tier " + std::to_string(t) + ", share", numberText(summary.tier[std::size_t(t)], 4)});
-  context.print("{}", table.text());
-  context.report(Json{{"frames", framesJson},
-                      {"switches", summary.switches},
-                      {"medianStep", summary.medianStep},
-                      {"largestStep", summary.largestStep},
-                      {"largestStepAtSwitch", summary.largestStepAtSwitch},
-                      {"leastCoverage", summary.leastCoverage},
-                      {"leastCoverageInside", summary.leastCoverageInside},
-                      {"meanCoverageInside", summary.meanCoverageInside},
-                      {"coverageTier", summary.tier},
-                      {"device", renderer.deviceName()},
-                      {"settings", settingsJson(settings, options.gpuScene)},
-                      {"scene", options.scene}}
-                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  const WalkSummary summary = summaryOf(walk.measured());
+  context.print("{}", summaryTable(summary, frames.size()).text());
+  Json report{{"frames", Json::array()}};
+  for (const WalkFrame& frame : walk.measured()) report["frames"].push_back(frameJson(frame));
+  report.update(summaryJson(summary));
+  report["device"] = walk.deviceName();
+  report["settings"] = settingsJson(walk.settings(), options.gpuScene);
+  report["scene"] = options.scene;
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
 
@@ -184,14 +180,19 @@ const Command kWalkCommand{
     .examples =
         "ibr walk scene\n"
         "ibr walk scene --frames 600 --size 640x360 -o worst\n"
-        "ibr walk scene --poses path.json --json walk.json",
+        "ibr walk scene --poses path.json --json walk.json\n"
+        "ibr walk scene --frames 60 --size 640x360 --pop --stereo --ipd 0.063",
     .details =
         "A step is the mean absolute difference between neighbouring frames, in levels of 255. A switch lasts until "
         "the\n"
         "mixture of the two orders of cells is over. What photographs see: pixels whose rays lie in the picture of "
         "one\n"
         "photograph from a near distance (a tenth of the scene's points are nearer) to infinity. -o writes the two\n"
-        "frames of the largest step, and four times their difference.",
+        "frames of the largest step, and four times their difference. At four places the camera is also held still "
+        "until\n"
+        "nothing fades any more: pictures that differ after that flicker. --pop also tells steps as FLIP, of which "
+        "the\n"
+        "largest at a switch is the pop. --stereo compares what both eyes see at the same depth.",
     .afterInterrupt = "Nothing was reported; run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -200,6 +201,9 @@ const Command kWalkCommand{
                             "Frames of an automatic walk between and slightly beyond the photographs, 30 a second");
       app.add_option("--poses", options->poses, "Camera path to walk")->type_name("FILE")->excludes(frames);
       app.add_option("-o,--output", options->output, "Folder for the picture of the largest step")->type_name("DIR");
+      app.add_flag("--pop", options->pop, "Also steps as FLIP, which takes about as long as drawing");
+      auto* stereo = app.add_flag("--stereo", options->stereo, "Two eyes, and how far they agree");
+      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance of the eyes in world units")->needs(stereo);
       addSize(app, "--size", options->size, "Size of the pictures [that of the path; else of the photographs]");
       declareSettings(app, options->settings);
       declareGpuScene(app, options->gpuScene);

@@ -326,6 +326,9 @@ TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's 
   CHECK(report.at("largestStep") == 0);
   CHECK(report.at("switches") == 0);
   CHECK(report.at("largestStepAtSwitch").is_null());
+  CHECK(report.at("flicker") == 0);
+  CHECK(report.at("pop").is_null());
+  CHECK(report.at("eyes").is_null());
 
   const auto moving = runValidated(
       {"walk", test::tinyScene(), "--frames", "12", "--size", "96x72", "-o", folder / "worst", "--json", "-"});
@@ -339,6 +342,33 @@ TEST_CASE("walk: a still camera's pictures are all the same, and a moving one's 
   const Image8 worst = readImage(folder / "worst/largest_step.png");
   CHECK((worst.width == 3 * 96 && worst.height == 72));
   CHECK(runValidated({"walk", test::tinyScene(), "--frames", "1"}).code == 1);
+  CHECK(runValidated({"walk", test::tinyScene(), "--ipd", "0.1"}).code == 1);
+}
+
+TEST_CASE("walk: what flickers, pops and rivals is told") {
+  if (!test::deviceIsThere()) return;
+  const auto walked = [](std::vector<std::string> more) {
+    std::vector<std::string> line{"walk", test::tinyScene(), "--frames", "24", "--size", "96x72", "--json", "-"};
+    line.insert(line.end(), more.begin(), more.end());
+    const auto outcome = runValidated(line);
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(outcome.out);
+  };
+  // With all that changes from frame to frame by itself: mixtures, exposure, colour tables.
+  const auto report = walked({"--colour", "ours", "--blend", "dither", "--pop"});
+  CHECK(report.at("flicker") == 0);
+  CHECK(report.at("medianFlipStep") > 0);
+
+  const auto eyes = walked({"--stereo", "--ipd", "0.02"}).at("eyes");
+  CHECK(eyes.at("seenByBoth") > 0.5);
+  CHECK(eyes.at("sameCell") > 0.9);
+  CHECK(eyes.at("difference") < 6);
+  CHECK(eyes.at("difference95") >= eyes.at("difference"));
+  // Eyes in one place see the same.
+  const auto one = walked({"--stereo", "--ipd", "1e-9"}).at("eyes");
+  CHECK(one.at("sameCell") == 1.0);
+  CHECK(one.at("difference") < 1e-3);
 }
 
 TEST_CASE("a budget for the device's memory is kept, and what it costs is said") {
