@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene pays only for what it declares (NUMERICS §4): counters against a table written by hand, and specialised
 // pictures against general ones.
+#include <fmt/format.h>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "base/file.h"
 #include "gpu/multiview.h"
 #include "ibr/requirements.h"
 #include "reference/stage.h"
@@ -19,7 +21,7 @@ namespace {
 constexpr VkExtent2D kExtent{64, 48};
 constexpr std::uint64_t kPixels = 64 * 48;
 constexpr std::uint64_t kParameter = 316, kExposure = 96;  // bytes of a step's
-constexpr std::uint64_t kLeaving = 16;     // cells that may be drawn besides
+constexpr std::uint64_t kLeaving = 16;                     // cells that may be drawn besides
 constexpr std::uint64_t kNoise = 64 * 64 * 4;
 
 Camera view(double x = 0.4) {
@@ -153,6 +155,23 @@ std::vector<Row> table() {
     rows.push_back({"two views at once", pinholes({{0, 1, 2}}), plain, 2,
                     counters(2 * 2 + 1, 1 + 2, 1 + 2, 0, {3 * canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise}),
                     true});
+  // A mask costs nothing beside its texture's alpha, moved cells nothing beside other numbers.
+  SyntheticScene masked = pinholes({{0, 1, 2}});
+  masked.scene.nodes[1].maskFile = "masks/1.png";
+  rows.push_back(
+      {"a mask", masked, plain, 1, counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"aligned cells", pinholes({{0, 1, 2}, {0, 3}}), with([](auto& s) { s.alignCells = true; }), 1,
+                  counters(2 * 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
+  // Each backdrop may be there twice while they change places, and four times before cells; one cell has no order that
+  // could be mixed.
+  SyntheticOptions three = place(3);
+  three.cells = {{0, 1, 2}};
+  three.gridStep = 40;
+  three.samplesPerAxis = 1;
+  SyntheticScene behind = makeScene(three);
+  addBackdrops(behind, three);
+  rows.push_back({"backdrops of three photographs", behind, plain, 1,
+                  counters(2 + 2 + 1, 2, 2 + 3, 0, {canvas, 0, 0, (1 + kLeaving + 6 * 3) * kParameter, kNoise})});
   rows.push_back({"no cell", SyntheticScene{}, plain, 1, counters(1, 2, 1, 0, {canvas, 0, 0, kParameter, 0})});
   return rows;
 }
@@ -193,6 +212,19 @@ TEST_CASE("what a scene costs is what stands in the table") {
     CHECK(counted.bytes.uncertainties == row.expected.bytes.uncertainties);
     CHECK(counted.bytes.hiddenArea == 0);
     CHECK(counted.workingBytes >= counted.bytes.canvases + counted.bytes.fill);
+  }
+}
+
+TEST_CASE("the page of costs says what stands in the table") {
+  const std::string page = readTextFile(IBR_COSTS_PAGE);
+  for (const Row& row : table()) {
+    const auto& e = row.expected;
+    const auto& b = e.bytes;
+    const std::string line =
+        fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |", row.name, e.pipelines, e.passes,
+                    e.draws, e.dispatches, b.canvases, b.fill, b.colours, b.parameters, b.noise, b.uncertainties);
+    INFO(line);
+    CHECK((row.multiview || page.find(line + '\n') != std::string::npos));
   }
 }
 
