@@ -30,13 +30,15 @@ double step(const Image8& image, int x, int y, int dx, int dy) {
 
 }  // namespace
 
-double seamStep(const Image8& picture, const ImageF& surface, const Image8& truth) {
-  double sum = 0;
+SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& truth) {
+  double levels = 0, deltas = 0;
   std::size_t count = 0;
   const auto add = [&](int x, int y, int dx, int dy) {
     const auto here = surface.pixel(x, y), there = surface.pixel(x + dx, y + dy);  // depth, tier, rank, …
     if (here[1] != 0 || there[1] != 0 || here[2] == there[2]) return;
-    sum += step(picture, x, y, dx, dy) - step(truth, x, y, dx, dy);
+    levels += step(picture, x, y, dx, dy) - step(truth, x, y, dx, dy);
+    deltas += deltaE(picture.pixel(x, y), picture.pixel(x + dx, y + dy)) -
+              deltaE(truth.pixel(x, y), truth.pixel(x + dx, y + dy));
     ++count;
   };
   for (int y = 0; y < picture.height; ++y)
@@ -44,7 +46,8 @@ double seamStep(const Image8& picture, const ImageF& surface, const Image8& trut
       if (x + 1 < picture.width) add(x, y, 1, 0);
       if (y + 1 < picture.height) add(x, y, 0, 1);
     }
-  return count > 0 ? sum / double(count) : NAN;
+  if (count == 0) return {};
+  return {levels / double(count), deltas / double(count)};
 }
 
 Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask) {

@@ -2,13 +2,20 @@
 // How well the colours of different cells fit together: what colour mapping is for ([T] §2.5.3).
 #pragma once
 
+#include <cmath>
+
 #include "ibr/image.h"
 
 namespace ibr::app {
 
-/// Mean step between neighbouring pixels of tier 0 that different cells drew, less the truth's step there: levels of
-/// 255, mean over channels; NaN where no two cells meet. `surface`: FrameBuffers::surface of the picture.
-double seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
+/// Mean step between neighbouring pixels of tier 0 that different cells drew, less the truth's step there; NaN where no
+/// two cells meet.
+struct SeamStep {
+  double levels = NAN;  // of 255, mean over channels
+  double deltaE = NAN;  // ΔE*ab
+};
+/// `surface`: FrameBuffers::surface of the picture.
+SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
 
 /// The picture (RGB) after each channel was multiplied, in linear light, by the gain that fits the truth best over the
 /// mask (least squares; what is clipped does not count). The exposure of a picture is a matter of taste; how it changes

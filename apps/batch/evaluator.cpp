@@ -104,7 +104,8 @@ SceneRenderer::Picture Evaluator::baseline(std::size_t which, const Camera& view
       picture.image = Image8(view.intrinsics.width, view.intrinsics.height, 4, 0);
     } else {
       const Cell& cell = scene_.cells[plan.cells[0].cell];
-      picture.image = baselines_->crossFade(view, cell, std::span(plan.cells[0].view[0].blend).first(cell.members.size()));
+      picture.image =
+          baselines_->crossFade(view, cell, std::span(plan.cells[0].view[0].blend).first(cell.members.size()));
     }
   }
   picture.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -125,7 +126,9 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
   ViewOutcome outcome{view.name, score(ours.image, truth, options_.fitGain, used), {}, {}};
   outcome.scores.milliseconds = ours.milliseconds;
   if (ours.buffers) {
-    outcome.scores.seam = seamStep(ours.image, ours.buffers->surface, truth);
+    const SeamStep seam = seamStep(ours.image, ours.buffers->surface, truth);
+    outcome.scores.seam = seam.levels;
+    outcome.scores.seamDeltaE = seam.deltaE;
     outcome.scores.deltaE = gainFreeDeltaE(ours.image, truth, coverOf(ours.image));
   }
   if (options_.seams) measureAlignment(view.camera, outcome.scores);
@@ -179,10 +182,10 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
   table.row(scoresRow("mean", means, options.fitGain));
   context.print("{}", table.text());
   if (options.seams)
-    context.print(
-        "seams {} levels, colours ΔE {}; cells {} px apart, the worst 20th {}; not aligned {}, {}\n",
-        numberText(means.seam, 3), numberText(means.deltaE, 3), numberText(means.misaligned, 2),
-        numberText(means.misaligned95, 2), numberText(means.uncorrected, 2), numberText(means.uncorrected95, 2));
+    context.print("seams {} levels, ΔE {}; colours ΔE {}; cells {} px apart, the worst 20th {}; not aligned {}, {}\n",
+                  numberText(means.seam, 3), numberText(means.seamDeltaE, 3), numberText(means.deltaE, 3),
+                  numberText(means.misaligned, 2), numberText(means.misaligned95, 2), numberText(means.uncorrected, 2),
+                  numberText(means.uncorrected95, 2));
   if (options.baselines) {
     Table methods;
     methods.row(scoresHeading("mean of", options.fitGain));

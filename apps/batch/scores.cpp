@@ -38,6 +38,7 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"detailEnergy", "detail", Shown::always, 2, &Scores::detailEnergy},
                                {"detailCorrelation", "", Shown::never, 3, &Scores::detailCorrelation},
                                {"seam", "", Shown::never, 3, &Scores::seam},
+                               {"seamDeltaE", "", Shown::never, 3, &Scores::seamDeltaE},
                                {"deltaE", "", Shown::never, 3, &Scores::deltaE},
                                {"misalignedPx", "", Shown::never, 2, &Scores::misaligned},
                                {"misaligned95Px", "", Shown::never, 2, &Scores::misaligned95},

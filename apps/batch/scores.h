@@ -16,7 +16,7 @@ struct Scores {
   double psnrGain, psnrCoveredGain;        // after the gain of each channel that fits best
   double msSsim;                           // of the whole picture; with `used`: none
   double detailEnergy, detailCorrelation;  // of what is covered (ibr/metrics.h, Detail)
-  double seam, deltaE;                     // colour_scores.h
+  double seam, seamDeltaE, deltaE;         // colour_scores.h
   double misaligned, misaligned95;         // px between what cells say of one place (render/alignment.h): median, 95 %
   double uncorrected, uncorrected95;       // likewise, had cells not been aligned
   double milliseconds;

@@ -242,6 +242,7 @@ TEST_CASE("eval --seams tells colours from geometry") {
   CHECK(mean.at("deltaE") > 0);
   CHECK(mean.at("deltaE") < 10);  // one exposure
   CHECK(mean.contains("seam"));
+  CHECK(mean.contains("seamDeltaE"));
   for (const char* figure : {"misalignedPx", "misaligned95Px", "uncorrectedPx", "uncorrected95Px"})
     CHECK(mean.contains(figure));
   const auto without = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--json", "-"});

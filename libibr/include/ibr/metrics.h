@@ -3,7 +3,9 @@
 // Error{invalidInput} otherwise. Thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <span>
 
 #include "ibr/image.h"
 
@@ -37,6 +39,8 @@ double flip(const Image8& a, const Image8& b, double pixelsPerDegree = kFlipPixe
 /// Mean CIE 1976 colour difference ΔE*ab (sRGB values, D65) over the pixels that count in a mask (1 channel, nonzero);
 /// NaN where none does.
 double deltaE(const Image8& a, const Image8& b, const Image8& mask);
+/// Of two pixels. Precondition: 3 channels or more each.
+double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b);
 
 /// What a picture keeps of the truth's detail, over differences of luma between neighbouring pixels that both count in
 /// the mask (1 channel, nonzero). NaN where no such pixels differ in the truth.

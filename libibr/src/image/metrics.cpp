@@ -54,6 +54,11 @@ double psnr(const Image8& a, const Image8& b) {
 double psnr(const Image8& a, const Image8& b, const Image8& mask) {
   return psnrOf(a, b, &mask);
 }
+double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
+  const Lab p = labOf(a), q = labOf(b);
+  return std::hypot(p.l - q.l, p.a - q.a, p.b - q.b);
+}
+
 double deltaE(const Image8& a, const Image8& b, const Image8& mask) {
   checkComparable(a, b, &mask);
   double sum = 0;
@@ -61,8 +66,7 @@ double deltaE(const Image8& a, const Image8& b, const Image8& mask) {
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x) {
       if (!mask.pixel(x, y)[0]) continue;
-      const Lab p = labOf(a.pixel(x, y)), q = labOf(b.pixel(x, y));
-      sum += std::hypot(p.l - q.l, p.a - q.a, p.b - q.b);
+      sum += deltaE(a.pixel(x, y), b.pixel(x, y));
       ++count;
     }
   return count > 0 ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
