@@ -26,3 +26,27 @@ function(ibr_test name)
   add_test(NAME ${name} COMMAND ${name} ${arg_ARGUMENTS})
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
 endfunction()
+
+# ibr_test_without(name TESTS filter FEATURES …): those of its test cases again, once for each feature as if the device had
+# it not (IBR_DISABLE_FEATURES).
+function(ibr_test_without name)
+  cmake_parse_arguments(arg "" "TESTS" "FEATURES" ${ARGN})
+  foreach(feature IN LISTS arg_FEATURES)
+    string(REPLACE "," "_" all ${feature})
+    add_test(NAME ${name}_without_${all} COMMAND ${name} ${arg_TESTS})
+    set_tests_properties(${name}_without_${all} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
+                         ENVIRONMENT IBR_DISABLE_FEATURES=${feature})
+  endforeach()
+endfunction()
+
+# ibr_test_german(name …): the programs again where numbers have a decimal comma and a point between thousands, in C and
+# C++ alike (tests/support/locale.h). tests/run.sh makes the locale.
+function(ibr_test_german)
+  foreach(name IN LISTS ARGN)
+    if(TARGET ${name})
+      add_test(NAME ${name}_german COMMAND ${name})
+      set_tests_properties(${name}_german PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
+                           ENVIRONMENT "IBR_TEST_LOCALE=de_DE.UTF-8;LC_ALL=de_DE.UTF-8")
+    endif()
+  endforeach()
+endfunction()

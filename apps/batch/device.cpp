@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ibr/device.h"
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -34,6 +36,7 @@ std::string versionText(std::uint32_t version) {
 
 ExitCode listDevices(const Context& context) {
   const auto devices = Device::list();
+  const auto disabled = Device::disabledFeatures();
   Json report = Json::array();
   bool usable = false;
   for (std::size_t i = 0; i < devices.size(); ++i) {
@@ -41,6 +44,7 @@ ExitCode listDevices(const Context& context) {
     usable |= device.lacking.empty();
     context.print("{}  {}\n   {}, {}, Vulkan {}, {} of its own memory\n", i, device.name, typeName(device.type),
                   device.driver, versionText(device.apiVersion), bytesText(double(device.memoryBytes)));
+    if (!device.features.empty()) context.print("   has {}\n", fmt::join(device.features, ", "));
     if (device.lacking.empty()) context.print("   can be used\n");
     for (const std::string& reason : device.lacking) context.print("   cannot be used: {}\n", reason);
     report.push_back({{"index", i},
@@ -49,11 +53,15 @@ ExitCode listDevices(const Context& context) {
                       {"type", typeName(device.type)},
                       {"apiVersion", versionText(device.apiVersion)},
                       {"memoryBytes", device.memoryBytes},
+                      {"features", device.features},
                       {"lacking", device.lacking}});
   }
   if (devices.empty())
     context.print("no Vulkan device; on Debian, the package mesa-vulkan-drivers has one that needs no graphics card\n");
-  context.report(Json{{"devices", report}}.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (!disabled.empty())
+    context.print("disabled by --disable-feature or IBR_DISABLE_FEATURES: {}\n", fmt::join(disabled, ", "));
+  context.report(
+      Json{{"devices", report}, {"disabledFeatures", disabled}}.dump(2, ' ', false, Json::error_handler_t::replace));
   return usable ? kExitOk : kExitUnsupported;
 }
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -55,6 +57,10 @@ void examineDevices(Findings& findings) {
     graphicsCard |= device.type != VK_PHYSICAL_DEVICE_TYPE_CPU;
     findings.fact(fmt::format("Vulkan device: {}, driver {}", device.name, device.driver));
   }
+  if (const auto disabled = Device::disabledFeatures(); !disabled.empty())
+    findings.add({"device", Severity::hint,
+                  fmt::format("Of the Vulkan device is not used: {}.", fmt::join(disabled, ", ")),
+                  "Unset IBR_DISABLE_FEATURES, leave out --disable-feature."});
   if (!usable)
     findings.add({"device", Severity::serious,
                   devices.empty() ? "There is no Vulkan device." : "No Vulkan device can be used.", kRemedy,

@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/options.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
+#include "ibr/device.h"
 #include "shared/context.h"
 
 namespace ibr::app {
+namespace {
+
+// By the environment, so that it holds for every device of this program and of those that it starts.
+void disableFeatures(const std::string& list) {
+  try {
+    Device::disabledFeatures(list);
+  } catch (const Error& e) {
+    throw CLI::ValidationError("--disable-feature", e.what());
+  }
+  ::setenv("IBR_DISABLE_FEATURES", list.c_str(), 1);
+}
+
+}  // namespace
 
 std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high) {
   const auto value = parseInt(text);
@@ -62,6 +77,11 @@ void declareCommonOptions(CLI::App& app, CommonOptions& options) {
   app.add_option("--json", options.json, "Write the report as JSON to FILE, or - for stdout")->type_name("FILE");
   app.add_option("--device", options.device, "Vulkan device: its number or a part of its name (ibr device lists them)")
       ->type_name("NAME");
+  app.add_option_function<std::string>("--disable-feature", disableFeatures,
+                                       fmt::format("Optional features of the device to leave alone, separated by "
+                                                   "commas: {}; as IBR_DISABLE_FEATURES does",
+                                                   fmt::join(Device::optionalFeatureNames(), ", ")))
+      ->type_name("LIST");
   app.add_option_function<std::string>(
          "--seed",
          [&options](const std::string& text) { options.seed = std::uint64_t(parsedInt("--seed", text, 0, INT64_MAX)); },

@@ -19,7 +19,7 @@ namespace ibr::app {
 
 struct CommonOptions;
 
-/// --json, --device, --seed, --threads, -q, -v, which all programs and commands have.
+/// --json, --device, --disable-feature, --seed, --threads, -q, -v, which all programs and commands have.
 void declareCommonOptions(CLI::App& app, CommonOptions& options);
 
 std::int64_t parsedInt(const std::string& option, const std::string& text, std::int64_t low, std::int64_t high);

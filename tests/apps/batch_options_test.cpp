@@ -181,9 +181,24 @@ TEST_CASE("device lists what there is") {
   const auto report = nlohmann::json::parse(outcome.out);
   REQUIRE(!report.at("devices").empty());
   for (const auto& device : report.at("devices"))
-    for (const char* key : {"index", "name", "driver", "type", "apiVersion", "memoryBytes", "lacking"})
+    for (const char* key : {"index", "name", "driver", "type", "apiVersion", "memoryBytes", "features", "lacking"})
       CHECK(device.contains(key));
   CHECK_THAT(runProgram({"device"}).out, Contains(report["devices"][0]["name"].get<std::string>()));
+}
+
+TEST_CASE("what is disabled is told, and names are checked", "[mask]") {
+  for (const char* command : {"device", "doctor"}) {
+    const auto outcome = runProgram({command, "--disable-feature", "bc,multiview"});
+    CHECK_THAT(outcome.out + outcome.err, Contains("bc, multiview"));
+    CHECK_THAT(runProgram({command}, {.environment = {"IBR_DISABLE_FEATURES=int64"}}).out,
+               Contains("used: int64") || Contains("FEATURES: int64"));
+  }
+  const auto report = nlohmann::json::parse(runProgram({"device", "--json", "-", "--disable-feature", "bc"}).out);
+  CHECK(report.at("disabledFeatures") == std::vector<std::string>{"bc"});
+  const auto wrong = runProgram({"device", "--disable-feature", "bc,teleport"});
+  CHECK(wrong.code == 1);
+  CHECK_THAT(wrong.err, Contains("--disable-feature") && Contains("'teleport'") && Contains("int64-atomics"));
+  CHECK(runProgram({"device"}, {.environment = {"IBR_DISABLE_FEATURES=teleport"}}).code == 3);
 }
 
 TEST_CASE("a report or a result that cannot be written is exit code 2") {

@@ -2,6 +2,7 @@
 #include "ibr/device.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <mutex>
@@ -195,6 +196,42 @@ TEST_CASE("requirements are linked as Vulkan reads them") {
   CHECK(requirements.features.vulkan11.pNext == &requirements.features.vulkan12);
   CHECK(requirements.features.vulkan12.pNext == &requirements.features.vulkan13);
   CHECK(requirements.features.vulkan13.pNext == &extra);
+}
+
+TEST_CASE("what is disabled is neither enabled nor used, and nothing else is", "[mask]") {
+  const Environment none("IBR_DISABLE_FEATURES", "");
+  const auto uses = [](const Device& d) {
+    return std::array{d.counts64Bits(), d.countsTogether64Bits(), d.samplesBlocks(), d.drawsViewsTogether()};
+  };
+  const auto names = Device::optionalFeatureNames();
+  REQUIRE(names == std::vector<std::string>{"int64", "int64-atomics", "bc", "multiview"});
+  const Device whole = Device::create({.validation = true, .log = testLog()});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    auto expected = uses(whole);
+    expected[i] = false;
+    if (i == 0) expected[1] = false;  // sums of 64 bits want numbers of 64 bits
+    INFO(names[i]);
+    CHECK(uses(Device::create({.validation = true, .log = testLog(), .disabledFeatures = names[i]})) == expected);
+    const Environment masked("IBR_DISABLE_FEATURES", names[i]);
+    CHECK(uses(Device::create({.validation = true, .log = testLog()})) == expected);
+    const Device one = Device::create({.validation = true, .log = testLog(), .disabledFeatures = "bc"});
+    CHECK(uses(one) == std::array{uses(whole)[0], uses(whole)[1], false, uses(whole)[3]});  // the option before it
+    test::HandmadeDevice handmade;
+    DeviceHandles handles = handmade.handles();
+    handles.optionalFeatures = Device::requirements().optionalFeatures;  // as if all were on
+    auto adopted = std::array{true, true, true, true};
+    adopted[i] = false;
+    if (i == 0) adopted[1] = false;
+    CHECK(uses(Device::adopt(handles)) == adopted);
+  }
+  DeviceFeatures features;
+  addOptionalFeatures(whole.physicalDevice(), features, "int64,int64-atomics,bc,multiview");
+  CHECK_FALSE((features.core.features.shaderInt64 || features.vulkan12.shaderBufferInt64Atomics ||
+               features.core.features.textureCompressionBC || features.vulkan11.multiview));
+  CHECK_THAT(errorOf(ErrorCode::invalidInput, [] { Device::create({.disabledFeatures = "bc,bc8"}); }),
+             Contains("'bc8'") && Contains("int64-atomics"));
+  const Environment wrong("IBR_DISABLE_FEATURES", "int65");
+  CHECK_THAT(errorOf(ErrorCode::invalidInput, [] { Device::create(); }), Contains("IBR_DISABLE_FEATURES: 'int65'"));
 }
 
 TEST_CASE("an adopted device does what a created one does") {

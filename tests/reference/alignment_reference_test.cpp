@@ -140,7 +140,7 @@ TEST_CASE("fans cover no pixel twice and every pixel of their polygon, needles t
   CHECK(pixels > 100'000);
 }
 
-TEST_CASE("a sliver covers more pixels than its area, but not than area, perimeter and one together") {
+TEST_CASE("a sliver covers more pixels than its area, but not than area, perimeter and one together", "[N1][T2]") {
   std::mt19937 random(2);
   double largest = 0;
   for (int i = 0; i < 2000; ++i) {

@@ -185,7 +185,7 @@ std::vector<reference::CellTable> identities(std::size_t count) {
 
 }  // namespace
 
-TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped back") {
+TEST_CASE("the proxy's tables are the twin's, and planted exposures are mapped back", "[N9]") {
   Passes passes(exposures(kPlanted));
   for (int proxy : {1, 2, 4})
     for (ColourTable method : {ColourTable::naive, ColourTable::strict, ColourTable::preserving})
@@ -234,7 +234,7 @@ TEST_CASE("a proxy is sampled at the picture's detail") {
   CHECK(spread(8) == Approx(spread(1)).epsilon(0.1));
 }
 
-TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, and the same picture") {
+TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, and the same picture", "[N9]") {
   Passes passes(exposures(kPlanted), 64);
   for (double samples : {1.0, 0.5})
     for (ColourTable method : {ColourTable::naive, ColourTable::preserving}) {

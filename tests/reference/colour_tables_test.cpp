@@ -140,7 +140,7 @@ reference::CellTable identity() {
 
 }  // namespace
 
-TEST_CASE("the device's tables are the twin's, bit for bit") {
+TEST_CASE("the device's tables are the twin's, bit for bit", "[N9][T16]") {
   for (int count : {1, 2, 3, 7, 12}) {
     Bench bench{std::uint32_t(count)};
     for (std::uint32_t method : {shader::kMapNaive, shader::kMapStrict, shader::kMapPreserving})
@@ -156,7 +156,7 @@ TEST_CASE("the device's tables are the twin's, bit for bit") {
   }
 }
 
-TEST_CASE("tables at the extremes: cells that miss each other, one level, no pixel, everything white") {
+TEST_CASE("tables at the extremes: cells that miss each other, one level, no pixel, everything white", "[N9]") {
   Bench bench(4);
   std::vector<Image8> pictures = cellPictures(4, 3);
   pictures[1].values.assign(pictures[1].values.size(), 0);

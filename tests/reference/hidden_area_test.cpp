@@ -138,7 +138,7 @@ RenderSettings with(auto change) {
 
 }  // namespace
 
-TEST_CASE("what is hidden shows the background and lies far away; all else is as it is without") {
+TEST_CASE("what is hidden shows the background and lies far away; all else is as it is without", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   struct Row {
     const char* name;
@@ -231,7 +231,7 @@ TEST_CASE("at another scale nothing of the background gets out of the hidden are
   }
 }
 
-TEST_CASE("everything or nothing or one view alone may be hidden, and what lies beside the picture") {
+TEST_CASE("everything or nothing or one view alone may be hidden, and what lies beside the picture", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   const FramePlan plan = planned(with([](auto&) {}));
   const Shown all = show(stage, plan, {}, true, {});
@@ -286,7 +286,7 @@ TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   CHECK((show(stage, plan, kMasks, false, {}).pictures[0] == left));
 }
 
-TEST_CASE("a hidden area costs a pipeline and a draw, and nothing where it is empty") {
+TEST_CASE("a hidden area costs a pipeline and a draw, and nothing where it is empty", "[multiview]") {
   const Stage stage(testDevice(), shownPlace());
   const FramePlan plan = planned(with([](auto&) {}));
   const bool atOnce = multiviewWorks(testDevice());

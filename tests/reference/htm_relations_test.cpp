@@ -112,7 +112,7 @@ TEST_CASE("harmonised photographs agree where blended ones do not", "[htm]") {
   CHECK(harmonised < 0.5 * colours);
 }
 
-TEST_CASE("the place of the world's origin does not matter", "[htm]") {
+TEST_CASE("the place of the world's origin does not matter", "[htm][P6]") {
   const glm::dvec3 far(1e5, -2e5, 3e5);
   const HtmStage here(bumpyModel()), there(bumpyModel({.middle = far}));
   for (const double angle : {0.2, 2.5}) {
@@ -147,7 +147,7 @@ TEST_CASE("the order of cameras does not matter", "[htm]") {
                             b.render(ringCamera({}, 0.8), {.method = method})) <= 1);
 }
 
-TEST_CASE("what only far cameras see has their colours", "[htm]") {
+TEST_CASE("what only far cameras see has their colours", "[htm][N11]") {
   const BumpyModel bumpy = bumpyModel({.cameras = 8, .disagreement = 0});
   const HtmStage stage(bumpy);
   const Camera view = ringCamera(bumpy.options, 0.1);
@@ -172,7 +172,7 @@ TEST_CASE("what only far cameras see has their colours", "[htm]") {
   CHECK(none.pixel(80, 60)[0] == 255);
 }
 
-TEST_CASE("where no camera sees a point, those that take part show it", "[htm]") {
+TEST_CASE("where no camera sees a point, those that take part show it", "[htm][N11][T23]") {
   BumpyModel bumpy = bumpyModel();
   for (HtmPicture& picture : bumpy.pictures) std::ranges::fill(picture.visibility.values, std::uint8_t(0));
   const HtmStage blind(bumpy);

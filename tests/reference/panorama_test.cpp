@@ -118,7 +118,7 @@ TEST_CASE("a pinhole at a panorama's centre sees the panorama resampled") {
       }
 }
 
-TEST_CASE("six colours on six axes") {
+TEST_CASE("six colours on six axes", "[N10][T19]") {
   // Painted by pixel, as INTERFACE §1 places the axes; nothing here asks project().
   const glm::ivec3 kForward(200, 40, 40), kBack(40, 200, 200), kRight(40, 200, 40), kLeft(200, 40, 200),
       kUp(60, 60, 220), kDown(220, 220, 60);
@@ -160,7 +160,7 @@ TEST_CASE("six colours on six axes") {
     }
 }
 
-TEST_CASE("the seam cannot be seen: content behind the camera looks as it does in front of it") {
+TEST_CASE("the seam cannot be seen: content behind the camera looks as it does in front of it", "[N10]") {
   // The same room, panoramas turned by a quarter: their columns move by a quarter of the width, exactly.
   SyntheticOptions options = room(3);
   for (Camera& camera : options.cameras) {
@@ -216,7 +216,7 @@ TEST_CASE("a pole is neither blurred nor does it sparkle") {
     }
 }
 
-TEST_CASE("moving and turning the world changes nothing for panoramas") {
+TEST_CASE("moving and turning the world changes nothing for panoramas", "[P6]") {
   const SyntheticScene here = makeScene(room(3));
   const glm::dvec3 offset(1e7, -8e6, 3e6);
   const glm::dquat turn = turned(2.1, {1, -2, 0.5});

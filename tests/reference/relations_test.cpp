@@ -86,7 +86,7 @@ TEST_CASE("ours shows the truth inside, outside and off the span; the paper's mo
   }
 }
 
-TEST_CASE("moving and turning the world changes nothing") {
+TEST_CASE("moving and turning the world changes nothing", "[P6]") {
   const SyntheticScene here = makeScene(place(3));
   const Camera view = cameraAt({0.42, 0.27, 0.13}, 0.04);
   const Image8 expected = Stage(testDevice(), here).render(view, withTiers());

@@ -194,7 +194,7 @@ Image8 pictureOf(const GpuScene& scene, const FramePlan& plan, const RendererOpt
 
 }  // namespace
 
-TEST_CASE("what a scene costs is what stands in the table") {
+TEST_CASE("what a scene costs is what stands in the table", "[P12][multiview]") {
   for (const Row& row : table()) {
     INFO(row.name);
     const GpuScene scene = onDevice(row.place);
@@ -215,7 +215,7 @@ TEST_CASE("what a scene costs is what stands in the table") {
   }
 }
 
-TEST_CASE("the page of costs says what stands in the table") {
+TEST_CASE("the page of costs says what stands in the table", "[P12]") {
   const std::string page = readTextFile(IBR_COSTS_PAGE);
   for (const Row& row : table()) {
     const auto& e = row.expected;
@@ -228,7 +228,7 @@ TEST_CASE("the page of costs says what stands in the table") {
   }
 }
 
-TEST_CASE("a renderer for these settings alone shows what one for all settings shows") {
+TEST_CASE("a renderer for these settings alone shows what one for all settings shows", "[P12]") {
   std::vector<std::pair<SyntheticScene, RenderSettings>> cases;
   for (const Row& row : table())
     if (row.views == 1) cases.emplace_back(row.place, row.settings);

@@ -33,7 +33,7 @@ std::vector<Camera> eyes(double ipd, double skew, double canting = 0) {
 
 }  // namespace
 
-TEST_CASE("each eye's picture is the twin's, off-centre and dithered") {
+TEST_CASE("each eye's picture is the twin's, off-centre and dithered", "[multiview]") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
   const Stage stage(testDevice(), makeScene(options));
@@ -147,7 +147,7 @@ TEST_CASE("targets may be layers of one image, as a headset's are: each is left 
   }
 }
 
-TEST_CASE("multiview is probed, not believed; the pixels are the same with it and without") {
+TEST_CASE("multiview is probed, not believed; the pixels are the same with it and without", "[multiview]") {
   const bool works = multiviewWorks(testDevice());
   const std::string name = testDevice().name();
   INFO(name);

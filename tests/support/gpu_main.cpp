@@ -6,6 +6,7 @@
 
 #include "ibr/error.h"
 #include "support/gpu_session.h"
+#include "support/locale.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // Synchronisation validation of layer 1.3.239 keeps every command buffer's state for good, by references in a circle.
@@ -27,6 +28,7 @@ CATCH_REGISTER_LISTENER(Listener)
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (!ibr::test::setTestLocale()) return 77;
   // Hazards between submissions; the layer has no other switch for it.
   ::setenv("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT", 0);
   try {

@@ -1,3 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#define CATCH_CONFIG_MAIN
+#define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
+
+#include "support/locale.h"
+
+int main(int argc, char** argv) {
+  if (!ibr::test::setTestLocale()) return 77;
+  return Catch::Session().run(argc, argv);
+}

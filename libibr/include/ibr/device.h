@@ -54,6 +54,10 @@ struct DeviceOptions {
   /// and driver, else ignored and the log told; written whole as the device goes, in a folder that must be there. What
   /// fails then is told to the log, which must outlive the device.
   std::filesystem::path pipelineCache;
+  /// Optional features to leave alone though the device has them, as if it were a lesser one: names of
+  /// Device::optionalFeatureNames(), separated by commas; "" = IBR_DISABLE_FEATURES. Another name is an
+  /// Error{invalidInput}.
+  std::string disabledFeatures;
 };
 
 /// Borrowed handles; all stay the caller's. The device was made with everything that requirements() names.
@@ -75,8 +79,9 @@ struct DeviceDescription {
   std::string name, driver;
   std::uint32_t apiVersion = 0;
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
-  std::uint64_t memoryBytes = 0;     // device-local
-  std::vector<std::string> lacking;  // why libibr cannot use it; empty: it can
+  std::uint64_t memoryBytes = 0;      // device-local
+  std::vector<std::string> features;  // of Device::optionalFeatureNames(), disabled or not
+  std::vector<std::string> lacking;   // why libibr cannot use it; empty: it can
 };
 
 class Device {
@@ -84,11 +89,17 @@ class Device {
   /// Makes instance and device. Throws Error{unsupported} that names, for each physical device, why it was rejected.
   static Device create(const DeviceOptions& options = {});
 
-  /// Borrows; never destroys what it borrows. Throws Error{unsupported} where the device is seen to lack something.
+  /// Borrows; never destroys what it borrows. What IBR_DISABLE_FEATURES names is not used. Throws Error{unsupported}
+  /// where the device is seen to lack something.
   static Device adopt(const DeviceHandles& handles);
 
   static DeviceRequirements requirements();
   static std::vector<DeviceDescription> list();
+
+  /// Names of what libibr makes use of where the device has it; and those of a list as DeviceOptions::disabledFeatures
+  /// has it. Throws Error{invalidInput} for a name that is none.
+  static std::vector<std::string> optionalFeatureNames();
+  static std::vector<std::string> disabledFeatures(const std::string& list = {});
 
   Device(Device&&) noexcept;
   Device& operator=(Device&&) noexcept;
@@ -110,6 +121,8 @@ class Device {
   /// Whether shaders count in 64 bits (shaderInt64), and whether they do so together (shaderBufferInt64Atomics).
   bool counts64Bits() const noexcept;
   bool countsTogether64Bits() const noexcept;
+  /// Whether one pass may draw several views: the feature multiview, which not every device does right.
+  bool drawsViewsTogether() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
   /// How many messages the validation layer has sent so far (0 without validation), of an adopted device as the caller

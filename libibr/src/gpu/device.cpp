@@ -70,7 +70,7 @@ Device Device::create(const DeviceOptions& options) {
   for (const std::string& name : requirements.deviceExtensions) extensions.push_back(name.c_str());
   for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
   DeviceFeatures features = requirements.features;
-  addOptionalFeatures(state->physicalDevice, features);
+  addOptionalFeatures(state->physicalDevice, features, options.disabledFeatures);
   state->features = features;
   const float priority = 1.0f;
   const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -117,6 +117,7 @@ Device Device::adopt(const DeviceHandles& handles) {
   if (handles.validationMessages) state->validationMessages = handles.validationMessages;
   state->pipelineCache = handles.pipelineCache;
   state->features = handles.optionalFeatures;
+  removeFeatures(state->features);
   state->describeDevice();
   state->messages.send(LogLevel::info, fmt::format("Vulkan device, adopted: {}", state->name));
   return Device(std::move(state));
@@ -175,6 +176,9 @@ bool Device::counts64Bits() const noexcept {
 }
 bool Device::countsTogether64Bits() const noexcept {
   return counts64Bits() && state_->features.vulkan12.shaderBufferInt64Atomics;
+}
+bool Device::drawsViewsTogether() const noexcept {
+  return state_->features.vulkan11.multiview;
 }
 std::string Device::name() const {
   return state_->name;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <sstream>
 
 #include "base/check.h"
 #include "base/parse.h"
@@ -26,8 +27,6 @@ constexpr Feature kFeatures[]{
     // The paper's way of counting colours.
     {"fragmentStoresAndAtomics",
      [](DeviceFeatures& f) -> VkBool32& { return f.core.features.fragmentStoresAndAtomics; }},
-    // Both eyes in one pass, where the device does that right (gpu/multiview.h).
-    {"multiview", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan11.multiview; }},
     // Structures shared by C++ and shaders are laid out as C++ does it.
     {"scalarBlockLayout", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.scalarBlockLayout; }},
     // All barriers.
@@ -36,14 +35,23 @@ constexpr Feature kFeatures[]{
     {"dynamicRendering", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan13.dynamicRendering; }},
 };
 
-// Used where they are there; each says what happens without.
+// Used where they are there, by the names that users know; each says what happens without.
 constexpr Feature kOptionalFeatures[]{
     // Alignment by the passes of the optimiser; otherwise it is done on the processor.
-    {"shaderInt64", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.shaderInt64; }},
-    {"shaderBufferInt64Atomics", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.shaderBufferInt64Atomics; }},
+    {"int64", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.shaderInt64; }},
+    {"int64-atomics", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan12.shaderBufferInt64Atomics; }},
     // Textures in BC1 and BC7 stay as they are; otherwise they are decoded to RGBA8.
-    {"textureCompressionBC", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.textureCompressionBC; }},
+    {"bc", [](DeviceFeatures& f) -> VkBool32& { return f.core.features.textureCompressionBC; }},
+    // Both eyes in one pass, where the device does that right (gpu/multiview.h); otherwise in one each.
+    {"multiview", [](DeviceFeatures& f) -> VkBool32& { return f.vulkan11.multiview; }},
 };
+
+DeviceFeatures featuresOf(VkPhysicalDevice device) {
+  DeviceFeatures has;
+  has.link();
+  vkGetPhysicalDeviceFeatures2(device, &has.core);
+  return has;
+}
 
 std::string versionText(std::uint32_t version) {
   return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
@@ -59,9 +67,7 @@ std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
 }
 
 std::vector<std::string> lackingFeatures(VkPhysicalDevice device) {
-  DeviceFeatures has;
-  has.link();
-  vkGetPhysicalDeviceFeatures2(device, &has.core);
+  DeviceFeatures has = featuresOf(device);
   std::vector<std::string> lacking;
   for (const Feature& feature : kFeatures)
     if (!feature.of(has)) lacking.push_back(feature.name);
@@ -134,10 +140,36 @@ DeviceRequirements Device::requirements() {
   return requirements;
 }
 
-void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features) {
-  DeviceFeatures has;
-  has.link();
-  vkGetPhysicalDeviceFeatures2(device, &has.core);
+std::vector<std::string> Device::optionalFeatureNames() {
+  std::vector<std::string> names;
+  for (const Feature& feature : kOptionalFeatures) names.emplace_back(feature.name);
+  return names;
+}
+
+std::vector<std::string> Device::disabledFeatures(const std::string& list) {
+  const char* environment = std::getenv("IBR_DISABLE_FEATURES");
+  const bool fromEnvironment = list.empty() && environment && *environment;
+  const std::vector<std::string> known = optionalFeatureNames();
+  std::vector<std::string> names;
+  std::istringstream words(fromEnvironment ? environment : list);
+  for (std::string name; std::getline(words, name, ',');) {
+    check(std::find(known.begin(), known.end(), name) != known.end(), ErrorCode::invalidInput,
+          "{}: '{}' is no optional feature; there are {}",
+          fromEnvironment ? "IBR_DISABLE_FEATURES" : "disabledFeatures", name, fmt::join(known, ", "));
+    names.push_back(name);
+  }
+  return names;
+}
+
+void removeFeatures(DeviceFeatures& features, const std::string& disabled) {
+  const std::vector<std::string> names = Device::disabledFeatures(disabled);
+  for (const Feature& feature : kOptionalFeatures)
+    if (std::find(names.begin(), names.end(), feature.name) != names.end()) feature.of(features) = VK_FALSE;
+}
+
+void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, const std::string& disabled) {
+  DeviceFeatures has = featuresOf(device);
+  removeFeatures(has, disabled);
   for (const Feature& feature : kOptionalFeatures)
     if (feature.of(has)) feature.of(features) = VK_TRUE;
 }
@@ -172,6 +204,9 @@ DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string>
         fmt::format("Vulkan {} (it has {})", versionText(requirements.apiVersion), versionText(properties.apiVersion)));
     return description;  // of an older device the features cannot even be asked
   }
+  DeviceFeatures has = featuresOf(device);
+  for (const Feature& feature : kOptionalFeatures)
+    if (feature.of(has)) description.features.emplace_back(feature.name);
   lacking = lackingFeatures(device);
   for (std::string& name : lackingExtensions(device, extensions)) lacking.push_back(std::move(name));
   if (!queueFamily(device)) lacking.push_back("a queue for graphics and compute");

@@ -21,8 +21,11 @@ std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance);
 /// `lacking` covers Device::requirements() and the further extensions.
 DeviceDescription describe(VkPhysicalDevice device, std::span<const std::string> extensions = {});
 
-/// Adds those of requirements().optionalFeatures that the device has.
-void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features);
+/// Adds those of requirements().optionalFeatures that the device has and DeviceOptions::disabledFeatures does not name.
+void addOptionalFeatures(VkPhysicalDevice device, DeviceFeatures& features, const std::string& disabled = {});
+
+/// Takes away those that are named.
+void removeFeatures(DeviceFeatures& features, const std::string& disabled = {});
 
 /// What requirements() names and the queue family does not offer.
 std::vector<std::string> lackingOfQueueFamily(VkPhysicalDevice device, std::uint32_t family);

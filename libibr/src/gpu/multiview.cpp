@@ -12,6 +12,7 @@
 namespace ibr {
 
 bool multiviewWorks(const Device& device) {
+  if (!device.drawsViewsTogether()) return false;
   // shaders/gpu/multiview_probe.vert: view v draws the squares (x, y) of 2×2 pixels with x and y odd or even as v is,
   // and a large triangle behind them. That one matters: it is clipped triangles that go astray on lavapipe.
   constexpr std::uint32_t kSquares = 4, kBehind = 4, kSide = 8;

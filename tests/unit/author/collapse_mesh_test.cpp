@@ -9,7 +9,7 @@
 namespace ibr {
 namespace {
 
-TEST_CASE("Collapses that would change the topology are told") {
+TEST_CASE("Collapses that would change the topology are told", "[N15]") {
   const CollapseMesh four(
       TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}});
   CHECK_FALSE(four.keepsTopology(0, 1));
@@ -44,7 +44,7 @@ TEST_CASE("Collapses that would change the topology are told") {
   CHECK(tube.keepsTopology(0, 3));
 }
 
-TEST_CASE("Collapses that turn faces are told") {
+TEST_CASE("Collapses that turn faces are told", "[N15]") {
   const CollapseMesh grid(test::flatGrid(4));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0}, 0.5));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0.25}, 0.5));
@@ -78,7 +78,7 @@ TEST_CASE("A merged vertex stays on the border and otherwise goes where the plan
   CHECK(test::areaOf(after) == Approx(16.0));
 }
 
-TEST_CASE("A flat face is told by its height, at any size") {
+TEST_CASE("A flat face is told by its height, at any size", "[N15]") {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     TriangleMesh mesh{{{0, 0, 0}, {scale, 0, 0}, {scale / 2, 0, 0}}, {{0, 1, 2}}};
     CHECK(isFlat(mesh, mesh.triangles[0]));

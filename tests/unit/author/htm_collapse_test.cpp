@@ -98,7 +98,7 @@ TEST_CASE("What is unknown is left alone") {
   CHECK(collapsed(grid, byMiddle([](glm::dvec3 p) { return p.x < 3 ? 1.0 : kNaN; }), options).report.collapses > 5);
 }
 
-TEST_CASE("Limits: the floor, the size, the cap") {
+TEST_CASE("Limits: the floor, the size, the cap", "[N15]") {
   const auto one = byMiddle([](glm::dvec3) { return 1.0; });
   const TriangleMesh grid = test::flatGrid(6);
   HtmCollapseOptions options;
@@ -163,7 +163,7 @@ TEST_CASE("At its end nothing is left to be collapsed") {
   }
 }
 
-TEST_CASE("It ends for any mesh and any differences") {
+TEST_CASE("It ends for any mesh and any differences", "[N15][T24]") {
   std::mt19937 random(9);
   HtmCollapseOptions options;
   options.faceArea = std::numeric_limits<double>::infinity();

@@ -97,7 +97,7 @@ double bricks(double x, double y) {
 
 }  // namespace
 
-TEST_CASE("A flat template says nothing, whatever the gate") {
+TEST_CASE("A flat template says nothing, whatever the gate", "[N12][T24]") {
   const Image8 flat = pictureOf(40, 30, [](double, double) { return 80; });
   const auto samples = samplesOf({10, 10}, 8, {0, 0}, [](double, double) { return 80; });
   for (const double least : {0.0, 1e-300, 2.0, 255.0})
@@ -111,7 +111,7 @@ TEST_CASE("A flat template says nothing, whatever the gate") {
   CHECK(refinedMatch(flat, samplesOf({10, 10}, 8, {0, 0}, waves), {1, 1}, 2).information == glm::vec3(0));
 }
 
-TEST_CASE("A ramp is measured along its gradient alone") {
+TEST_CASE("A ramp is measured along its gradient alone", "[N12]") {
   for (int degrees = 0; degrees < 360; degrees += 15) {
     INFO(degrees);
     const double angle = degrees * std::numbers::pi / 180;
@@ -148,7 +148,7 @@ TEST_CASE("Stripes are placed along their gradient to a tenth of a pixel") {
   }
 }
 
-TEST_CASE("A planted displacement comes back to a tenth of a pixel, also in another light") {
+TEST_CASE("A planted displacement comes back to a tenth of a pixel, also in another light", "[N12]") {
   const Image8 picture = pictureOf(80, 80, waves);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> part(-0.7, 0.7);
@@ -166,7 +166,7 @@ TEST_CASE("A planted displacement comes back to a tenth of a pixel, also in anot
   }
 }
 
-TEST_CASE("Refining never leaves its start far behind, nor numbers") {
+TEST_CASE("Refining never leaves its start far behind, nor numbers", "[N12]") {
   std::mt19937 random(2);
   const Image8 noise = pictureOf(30, 20, [&](double, double) { return int(random() % 256); });
   const Image8 dot = pictureOf(1, 1, [](double, double) { return 7; });
@@ -233,7 +233,7 @@ TEST_CASE("A search goes around its start") {
   CHECK(known > 20);
 }
 
-TEST_CASE("What has no texture, no members or no view has no match") {
+TEST_CASE("What has no texture, no members or no view has no match", "[N12][T24]") {
   const auto nothing = [](const std::vector<VertexMatch>& matches) {
     return std::ranges::all_of(
         matches, [](const VertexMatch& m) { return m.information == glm::vec3(0) && m.displacement == glm::vec2(0); });

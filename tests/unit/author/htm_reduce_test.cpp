@@ -49,7 +49,7 @@ TEST_CASE("A sphere of few faces is still a sphere") {
   CHECK(result.report.toReduced.p95 <= result.report.toReduced.max);
 }
 
-TEST_CASE("A flat grid stays flat, with its outline and nothing turned over") {
+TEST_CASE("A flat grid stays flat, with its outline and nothing turned over", "[N15]") {
   const ReducedMesh result = reduced(test::flatGrid(12), 24);
   CHECK(result.report.reached);
   CHECK(test::areaOf(result.mesh) == Approx(144.0).epsilon(1e-9));
@@ -91,7 +91,7 @@ TEST_CASE("It goes on until faces are large on average") {
   CHECK(test::isOrientedManifold(most.mesh));
 }
 
-TEST_CASE("Reducing does not depend on where the mesh stands") {
+TEST_CASE("Reducing does not depend on where the mesh stands", "[N15]") {
   TriangleMesh far = test::sphere(32);
   for (glm::dvec3& p : far.positions) p += glm::dvec3(4e6, -5e5, 1e6);
   const ReducedMesh near = reduced(test::sphere(32), 100), away = reduced(far, 100);
@@ -99,7 +99,7 @@ TEST_CASE("Reducing does not depend on where the mesh stands") {
   CHECK(reduced(test::sphere(32), 100).mesh == near.mesh);
 }
 
-TEST_CASE("Reducing meshes that are not as they should be") {
+TEST_CASE("Reducing meshes that are not as they should be", "[N15]") {
   SECTION("one triangle, a tetrahedron, a cube: nothing vanishes") {
     const TriangleMesh one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
     CHECK(reduced(one, 1).mesh == one);

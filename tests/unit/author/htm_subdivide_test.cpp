@@ -47,7 +47,7 @@ double borderLength(const TriangleMesh& mesh) {
   return length;
 }
 
-TEST_CASE("A face beside chosen ones, for each set of its edges") {
+TEST_CASE("A face beside chosen ones, for each set of its edges", "[N15]") {
   // One face in the middle, one at each of its edges, and its corners at whole numbers that make areas exact.
   const TriangleMesh star{{{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {4, -8, 0}, {8, 8, 0}, {-8, 4, 0}},
                           {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
@@ -86,7 +86,7 @@ TEST_CASE("What is left of a face with two divided edges is divided by the short
   }
 }
 
-TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology") {
+TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology", "[N15]") {
   std::mt19937 random(2);
   for (const TriangleMesh& mesh : {test::cube(), test::flatGrid(4)})
     for (int trial = 0; trial < 30; ++trial) {
@@ -103,7 +103,7 @@ TEST_CASE("Any choice of faces leaves a mesh of the same shape and topology") {
   CHECK(subdivided(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)).mesh == mesh);
 }
 
-TEST_CASE("Meshes that are no manifolds, and wrong arguments") {
+TEST_CASE("Meshes that are no manifolds, and wrong arguments", "[N15]") {
   // Three faces at one edge share its middle.
   const TriangleMesh book{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, -2, 0}, {0, 0, 2}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
   const std::vector<std::uint8_t> first{1, 0, 0};

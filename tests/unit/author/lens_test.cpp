@@ -77,7 +77,7 @@ TEST_CASE("a direction comes back from its pixel, whatever the lens") {
     }
 }
 
-TEST_CASE("what is given in degrees from the axis is seen once, up to the fold") {
+TEST_CASE("what is given in degrees from the axis is seen once, up to the fold", "[N13]") {
   for (const Kind& kind : kinds()) {
     INFO(kind.name);
     const Lens lens = lensOf(kind.model, kind.strong);
@@ -102,7 +102,7 @@ TEST_CASE("what is given in degrees from the axis is seen once, up to the fold")
   }
 }
 
-TEST_CASE("the radius at which k folds back is where its derivative says") {
+TEST_CASE("the radius at which k folds back is where its derivative says", "[N13]") {
   // r + k r³ grows up to r = 1/√(−3k), where it is 2r/3.
   const Lens lens = lensOf(LensModel::simpleRadial, {300, 320, 240, -0.25});
   const double fold = 1 / std::sqrt(0.75);
@@ -195,7 +195,7 @@ TEST_CASE("the formulas are those of COLMAP's sources, worked out by hand") {
   CHECK(prism->y == Approx(240 + 400 * 0.03 * t * t).epsilon(1e-14));
 }
 
-TEST_CASE("impossible lenses are refused, impossible questions answered with nothing") {
+TEST_CASE("impossible lenses are refused, impossible questions answered with nothing", "[N13][N16]") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_AS(lensOf(LensModel::opencv, {1, 1, 1, 1}), Error);
   CHECK_THROWS_AS(lensOf(LensModel::simpleRadial, {-1, 1, 1, 0}), Error);

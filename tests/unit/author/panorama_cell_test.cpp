@@ -91,7 +91,7 @@ TEST_CASE("a face shows what a pinhole at the panorama's centre sees, across the
   }
 }
 
-TEST_CASE("the Delaunay triangulation of the sphere closes it, outwards, with empty circles") {
+TEST_CASE("the Delaunay triangulation of the sphere closes it, outwards, with empty circles", "[N10]") {
   const std::vector<glm::dvec3> directions = randomDirections(300, 5);
   const std::vector<glm::uvec3> triangles = delaunaySphere(directions);
   REQUIRE(triangles.size() == 2 * directions.size() - 4);  // Euler
@@ -107,7 +107,7 @@ TEST_CASE("the Delaunay triangulation of the sphere closes it, outwards, with em
   CHECK(delaunaySphere(doubled) == triangles);
 }
 
-TEST_CASE("too few directions have no triangles, and half a sphere is not closed") {
+TEST_CASE("too few directions have no triangles, and half a sphere is not closed", "[N10]") {
   CHECK(delaunaySphere({}).empty());
   CHECK(delaunaySphere(std::vector<glm::dvec3>{{1, 0, 0}}).empty());
   CHECK(delaunaySphere(std::vector<glm::dvec3>{{1, 0, 0}, {0, 1, 0}}).empty());

@@ -70,7 +70,7 @@ TEST_CASE("Separate triangles become a closed surface that points outwards") {
   }
 }
 
-TEST_CASE("Faces that cannot be used are left out and counted") {
+TEST_CASE("Faces that cannot be used are left out and counted", "[N15]") {
   TriangleMesh mesh = cube();
   mesh.positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   mesh.positions.emplace_back(0, 0, 0);
@@ -92,7 +92,7 @@ TEST_CASE("Faces that cannot be used are left out and counted") {
   CHECK(repaired(none).mesh == TriangleMesh{});
 }
 
-TEST_CASE("Where sheets meet, what belongs together stays together") {
+TEST_CASE("Where sheets meet, what belongs together stays together", "[N15]") {
   SECTION("a fin on a box") {
     TriangleMesh mesh = cube();
     mesh.positions.emplace_back(0.5, -1.0, -1.0);
@@ -161,7 +161,7 @@ TEST_CASE("Faces without area go, and no hole is left") {
   CHECK(test::areaOf(result.mesh) == Approx(2.0));
 }
 
-TEST_CASE("Triangles at random become a manifold") {
+TEST_CASE("Triangles at random become a manifold", "[N15]") {
   std::mt19937 random(11);
   for (int trial = 0; trial < 40; ++trial) {
     TriangleMesh mesh;

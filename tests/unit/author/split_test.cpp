@@ -71,7 +71,7 @@ ErrorCode codeOf(const std::function<void()>& call) {
 
 }  // namespace
 
-TEST_CASE("a panorama whose six axes have six colours is split into faces of those colours") {
+TEST_CASE("a panorama whose six axes have six colours is split into faces of those colours", "[N10][T19]") {
   const auto axisOf = [](glm::dvec3 d) {
     const glm::dvec3 a = glm::abs(d);
     const int c = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;

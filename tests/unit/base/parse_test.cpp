@@ -19,7 +19,7 @@ TEST_CASE("numbers are read whole or not at all") {
   for (const char* wrong : {"", "1.0", "9223372036854775808", "1e3", " 7"}) CHECK_FALSE(parseInt(wrong));
 }
 
-TEST_CASE("a locale with decimal commas changes nothing") {
+TEST_CASE("a locale with decimal commas changes nothing", "[locale]") {
   const char* const set = std::setlocale(LC_ALL, "de_DE.UTF-8");  // absent on small systems; then this repeats the above
   CHECK(parseDouble("0.75") == 0.75);
   CHECK_FALSE(parseDouble("0,75"));

@@ -32,7 +32,7 @@ long double oracle(double degrees, double gamma) {
 
 }  // namespace
 
-TEST_CASE("weights follow eq. 5 over all angles and exponents", "[htm]") {
+TEST_CASE("weights follow eq. 5 over all angles and exponents", "[htm][N11][T22]") {
   for (const double gamma : {1.0, 2.0, 10.0, 50.0, 200.0, 1000.0}) {
     std::vector<glm::dvec3> directions;
     for (int degrees = 0; degrees <= 180; ++degrees) directions.push_back(3.7 * atAngle(degrees));
@@ -53,7 +53,7 @@ TEST_CASE("weights follow eq. 5 over all angles and exponents", "[htm]") {
   }
 }
 
-TEST_CASE("weights of any number of cameras are numbers and sum to one", "[htm]") {
+TEST_CASE("weights of any number of cameras are numbers and sum to one", "[htm][N11]") {
   for (std::size_t count = 1; count <= 64; ++count)
     for (const double gamma : {1.0, 50.0, 1000.0}) {
       std::vector<glm::dvec3> directions;
@@ -70,7 +70,7 @@ TEST_CASE("weights of any number of cameras are numbers and sum to one", "[htm]"
     }
 }
 
-TEST_CASE("cameras that are all behind weigh the same, and so do two that look alike", "[htm]") {
+TEST_CASE("cameras that are all behind weigh the same, and so do two that look alike", "[htm][N11][T22]") {
   const std::vector<glm::dvec3> behind(5, atAngle(180));
   for (const double log : htmLogWeights(behind, atAngle(0), 1000)) CHECK(log == 0);
   const std::vector<glm::dvec3> opposite(3, glm::dvec3(0, 0, 1));
@@ -82,7 +82,7 @@ TEST_CASE("cameras that are all behind weigh the same, and so do two that look a
   CHECK(logs[2] < -20);
 }
 
-TEST_CASE("weights keep small differences of nearly equal directions", "[htm]") {
+TEST_CASE("weights keep small differences of nearly equal directions", "[htm][N11]") {
   const double tiny = 1e-7;  // radians; 1 − cos is 5e-15
   const std::vector<glm::dvec3> directions{{0, 0, -1}, {std::sin(tiny), 0, -std::cos(tiny)}};
   const std::vector<double> logs = htmLogWeights(directions, {0, 0, -1}, 1000);

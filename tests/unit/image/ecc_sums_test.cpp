@@ -139,7 +139,7 @@ std::size_t best(const std::vector<std::vector<PreEcc>>& candidates, EccDefiniti
 
 }  // namespace
 
-TEST_CASE("sums are exact and the ECC is right at every area, in any order") {
+TEST_CASE("sums are exact and the ECC is right at every area, in any order", "[N1]") {
   for (const Pattern& pattern : patterns())
     for (std::size_t channels : {1, 3})
       for (std::size_t targets : {1, 2, 3})
@@ -152,7 +152,7 @@ TEST_CASE("sums are exact and the ECC is right at every area, in any order") {
   }
 }
 
-TEST_CASE("values with eight fraction bits stay exact to 16.7 million pixels of three channels and targets") {
+TEST_CASE("values with eight fraction bits stay exact to 16.7 million pixels of three channels and targets", "[N1]") {
   for (const int a : {65280, 32767, -32768, -1})
     for (const int b : {65280, 255, -32768}) {
       PreEcc two;
@@ -171,7 +171,7 @@ TEST_CASE("values with eight fraction bits stay exact to 16.7 million pixels of 
     }
 }
 
-TEST_CASE("the best candidate is the oracle's, ties go to the first") {
+TEST_CASE("the best candidate is the oracle's, ties go to the first", "[N1][T4]") {
   std::mt19937 random(3);
   for (int set = 0; set < 60; ++set) {
     const std::array<std::size_t, 3> areas{30 + random() % 400, 30 + random() % 400, 30 + random() % 400};
@@ -202,7 +202,7 @@ TEST_CASE("the best candidate is the oracle's, ties go to the first") {
   }
 }
 
-TEST_CASE("ranks differ where a double does not, by sign, and where nothing correlates") {
+TEST_CASE("ranks differ where a double does not, by sign, and where nothing correlates", "[N1][T4]") {
   PreEcc four;
   for (const int a : {32767, 32767, -32767, -32767}) four.add(a, a);
   PreEcc same = times(four, 22), other = same;
@@ -233,7 +233,7 @@ TEST_CASE("ranks differ where a double does not, by sign, and where nothing corr
   CHECK_FALSE(eccGreater(four_counts, four_counts, EccDefinition::concatenated));
 }
 
-TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC") {
+TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC", "[N1][T1][T3]") {
   const auto both = [](std::size_t area) {
     PaperSums paper(area, 3, 1);
     PreEcc exact;
@@ -256,7 +256,7 @@ TEST_CASE("why not the paper's counters: shifting each product falsifies the ECC
   CHECK(saturated.squares() == 0);  // 2³² is one too many
 }
 
-TEST_CASE("why not the paper's floats: they pick another candidate") {
+TEST_CASE("why not the paper's floats: they pick another candidate", "[N1][T4]") {
   int wrong = 0;
   for (int set = 0; set < 20; ++set) {
     float bestFloat = -2;

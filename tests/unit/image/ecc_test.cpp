@@ -49,7 +49,7 @@ double byDefinition(const Samples& a, const Samples& b, std::size_t channels, do
 
 }  // namespace
 
-TEST_CASE("ECC equals its definitions, from whole numbers and sample by sample") {
+TEST_CASE("ECC equals its definitions, from whole numbers and sample by sample", "[N2]") {
   for (double deviation : {1.5, 6.0, 30.0})
     for (double mean : {20.0, 128.0, 230.0})
       for (int floor : {0, 25}) {
@@ -66,7 +66,7 @@ TEST_CASE("ECC equals its definitions, from whole numbers and sample by sample")
       }
 }
 
-TEST_CASE("ECC of one, of the negative, and of gain and offset") {
+TEST_CASE("ECC of one, of the negative, and of gain and offset", "[N2]") {
   const Samples a = texture(500, 12, {90, 130, 160}, 1);
   Samples negative = a, gained = a;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -100,7 +100,7 @@ TEST_CASE("targets count together, each about its own means") {
   CHECK(ecc(sums, EccDefinition::concatenated).value < 0.9);
 }
 
-TEST_CASE("unrelated textures of one colour: the paper's definition sees its channels, ours nothing") {
+TEST_CASE("unrelated textures of one colour: the paper's definition sees its channels, ours nothing", "[N2]") {
   // NUMERICS §1 (c)
   const std::array<double, 4> deviations{2, 10, 20, 40}, paper{0.998, 0.954, 0.836, 0.575};
   for (std::size_t k = 0; k < deviations.size(); ++k) {
@@ -112,7 +112,7 @@ TEST_CASE("unrelated textures of one colour: the paper's definition sees its cha
   }
 }
 
-TEST_CASE("nothing to correlate is undefined without a floor") {
+TEST_CASE("nothing to correlate is undefined without a floor", "[N2][T5]") {
   const Samples flat = texture(500, 0, {10, 200, 30}, 1), other = texture(500, 0, {90, 90, 90}, 1);
   const Samples rough = texture(500, 9, {128, 128, 128}, 1), grey(50, 128), noisy(rough.begin(), rough.begin() + 50);
   const Samples none, pixel{1, 2, 3};
@@ -143,7 +143,7 @@ TEST_CASE("nothing to correlate is undefined without a floor") {
         Approx(std::sqrt(25.0 / 34.0)).margin(0.03));
 }
 
-TEST_CASE("ECC never exceeds one") {
+TEST_CASE("ECC never exceeds one", "[N2]") {
   for (std::uint32_t seed = 1; seed <= 3000; ++seed) {
     Samples a = texture(2 + seed % 7, 1 + seed % 50, {30, 40, 50}, seed), b;
     for (auto& v : a) {
@@ -164,7 +164,7 @@ TEST_CASE("interpolation's rounding is no texture") {
   CHECK_FALSE(sums.result().defined);
 }
 
-TEST_CASE("values that are not finite never become a coefficient") {
+TEST_CASE("values that are not finite never become a coefficient", "[N2][N16]") {
   for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300, 1e100}) {
     EccSums sums;
     for (int i = 0; i < 10; ++i) sums.add(glm::dvec3(i), glm::dvec3(3 - i));

@@ -37,7 +37,7 @@ TEST_CASE("bytes of a picture") {
   CHECK(textureBytes(TextureFormat::rgba8, 65536, 65536) == std::uint64_t(1) << 34);
 }
 
-TEST_CASE("chains of any size go through blocks and back") {
+TEST_CASE("chains of any size go through blocks and back", "[N14]") {
   for (const auto format : {TextureFormat::bc1, TextureFormat::bc7})
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {4, 4}, {5, 4}, {7, 9}, {37, 18}, {64, 3}}) {
       INFO(textureFormatName(format) << " " << width << "x" << height);

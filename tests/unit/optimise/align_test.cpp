@@ -23,7 +23,7 @@ AlignmentOptions patient(AlignmentMethod method = AlignmentMethod::cpu) {
 
 }  // namespace
 
-TEST_CASE("planted shifts are found to a tenth of a pixel") {
+TEST_CASE("planted shifts are found to a tenth of a pixel", "[N3]") {
   const int members = GENERATE(2, 3, 4);
   auto planted = test::planted(members, 112, 4, 2.5, 7);
   const double before = test::matchError(planted).mean;
@@ -36,7 +36,7 @@ TEST_CASE("planted shifts are found to a tenth of a pixel") {
   CHECK(summary.finalEcc > summary.initialEcc);
 }
 
-TEST_CASE("a move never lowers the ECC of its own star") {
+TEST_CASE("a move never lowers the ECC of its own star", "[N3]") {
   auto planted = test::planted(3, 96, 4, 2.5, 8);
   const StarMesh mesh = starMeshOf(planted.alignment);
   std::vector<Texels> pictures;
@@ -63,7 +63,7 @@ TEST_CASE("a move never lowers the ECC of its own star") {
   CHECK(lowered == 0);
 }
 
-TEST_CASE("the same seed gives the same mesh on any number of threads, another seed one as good") {
+TEST_CASE("the same seed gives the same mesh on any number of threads, another seed one as good", "[N3]") {
   std::vector<double> ecc;
   Positions first;
   for (const std::uint64_t seed : {1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}) {
@@ -81,7 +81,7 @@ TEST_CASE("the same seed gives the same mesh on any number of threads, another s
   CHECK(most - least <= 0.002);
 }
 
-TEST_CASE("noise, its negative and nothing at all end") {
+TEST_CASE("noise, its negative and nothing at all end", "[N3][T6]") {
   auto planted = test::planted(2, 64, 3, 0.0, 10);
   std::mt19937 random(1);
   SECTION("noise") {
@@ -105,7 +105,7 @@ TEST_CASE("noise, its negative and nothing at all end") {
   CHECK(summary.finalEcc >= summary.initialEcc);
 }
 
-TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh stays") {
+TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh stays", "[N3][T6]") {
   auto planted = test::planted(2, 96, 4, 2.5, 11);
   AlignmentOptions options;
   options.method = AlignmentMethod::cpu;
@@ -121,7 +121,7 @@ TEST_CASE("the loop goes on after its first cycle, and the best cycle's mesh sta
   CHECK(again.bestCycle == 0);
 }
 
-TEST_CASE("the first cycle never ends the loop, however little is enough") {
+TEST_CASE("the first cycle never ends the loop, however little is enough", "[N3][T6]") {
   auto planted = test::planted(2, 64, 3, 2.0, 13);
   AlignmentOptions options;
   options.method = AlignmentMethod::cpu;

@@ -24,7 +24,7 @@ std::int64_t randomBits(std::mt19937_64& random, int bits) {
 
 }  // namespace
 
-TEST_CASE("the order of scores is exact up to the largest sums") {
+TEST_CASE("the order of scores is exact up to the largest sums", "[N1][T4]") {
   std::mt19937_64 random(3);
   int equal = 0;
   for (int i = 0; i < 200000; ++i) {
@@ -50,7 +50,7 @@ TEST_CASE("the order of scores is exact up to the largest sums") {
   CHECK(equal > 10000);
 }
 
-TEST_CASE("what is undefined is less than everything, and does not replace where a point stands") {
+TEST_CASE("what is undefined is less than everything, and does not replace where a point stands", "[N2][T5]") {
   const EccScore none{5, 0, 7}, poor{-3, 4, 4}, fair{3, 4, 4}, zero{0, 4, 4};
   CHECK_FALSE(eccGreater(none, poor));
   CHECK(eccGreater(poor, none));
@@ -62,7 +62,7 @@ TEST_CASE("what is undefined is less than everything, and does not replace where
   CHECK(eccWins(zero, poor));
 }
 
-TEST_CASE("centred sums are the exact ones, rounded up") {
+TEST_CASE("centred sums are the exact ones, rounded up", "[N1]") {
   std::mt19937_64 random(4);
   for (int i = 0; i < 100000; ++i) {
     const std::int64_t n = 1 + randomBits(random, int(random() % 25));

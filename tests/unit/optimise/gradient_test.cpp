@@ -32,7 +32,7 @@ struct Seen {
 
 }  // namespace
 
-TEST_CASE("the gradient finds planted shifts to a tenth of a pixel") {
+TEST_CASE("the gradient finds planted shifts to a tenth of a pixel", "[N3]") {
   const int members = GENERATE(2, 3, 4);
   const auto definition = GENERATE(EccDefinition::channels, EccDefinition::concatenated);
   const int levels = GENERATE(1, 2);
@@ -58,7 +58,7 @@ TEST_CASE("the gradient alone finds a point that is off, candidates at random le
 }
 
 // The guard sees a class's moves made; no other point of a star moves in the same step.
-TEST_CASE("a point that the gradient moves never lowers its star's ECC") {
+TEST_CASE("a point that the gradient moves never lowers its star's ECC", "[N3]") {
   auto planted = test::planted(3, 112, 6, 2.0, 11);
   const Seen seen(planted.alignment);
   Positions at = planted.alignment.position;
@@ -84,7 +84,7 @@ TEST_CASE("a point that the gradient moves never lowers its star's ECC") {
   CHECK(lower == 0);
 }
 
-TEST_CASE("the gradient's mesh does not depend on the number of threads, and two runs give the same") {
+TEST_CASE("the gradient's mesh does not depend on the number of threads, and two runs give the same", "[N3]") {
   std::vector<Positions> found;
   for (const int threads : {1, 1, 2, 5}) {
     auto planted = test::planted(3, 112, 6, 2.0, 5);

@@ -57,7 +57,7 @@ bool foldsSomewhere(const Positions& at, const glm::uvec3& t) {
 
 }  // namespace
 
-TEST_CASE("no candidate folds a triangle over, in a million") {
+TEST_CASE("no candidate folds a triangle over, in a million", "[N4][T8]") {
   std::mt19937 random(17);
   const Image8 picture(128, 128, 3);
   std::size_t candidates = 0, moved = 0;

@@ -69,7 +69,7 @@ glm::dvec3 pointOf(const std::vector<glm::dvec3>& corners, const Weights& weight
 
 }  // namespace
 
-TEST_CASE("weights are exact to rounding, in small and large worlds") {
+TEST_CASE("weights are exact to rounding, in small and large worlds", "[N5][T9]") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   auto vector = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
@@ -94,7 +94,7 @@ TEST_CASE("weights are exact to rounding, in small and large worlds") {
   CHECK(worst <= 1e-14);
 }
 
-TEST_CASE("slivers keep their digits where a matrix inverse has none") {
+TEST_CASE("slivers keep their digits where a matrix inverse has none", "[N5][T9]") {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> unit(0.1, 0.9);
   for (double height : {1e-2, 1e-5, 1e-8}) {
@@ -115,7 +115,7 @@ TEST_CASE("slivers keep their digits where a matrix inverse has none") {
   }
 }
 
-TEST_CASE("the clamped point is the closest one") {
+TEST_CASE("the clamped point is the closest one", "[N5]") {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   auto vector = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
@@ -136,7 +136,7 @@ TEST_CASE("the clamped point is the closest one") {
     }
 }
 
-TEST_CASE("on corners, edges, faces and inside, a point has distance 0") {
+TEST_CASE("on corners, edges, faces and inside, a point has distance 0", "[N5]") {
   const std::vector<glm::dvec3> corners{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   for (const Weights& w : {Weights{1, 0, 0, 0}, Weights{0, 0, 1, 0}, Weights{0.5, 0.5, 0, 0}, Weights{0, 0.25, 0.75, 0},
                            Weights{0.5, 0.25, 0.25, 0}, Weights{0.25, 0.25, 0.25, 0.25}}) {
@@ -146,7 +146,7 @@ TEST_CASE("on corners, edges, faces and inside, a point has distance 0") {
   }
 }
 
-TEST_CASE("degenerate simplices fall to a lower one and say so") {
+TEST_CASE("degenerate simplices fall to a lower one and say so", "[N5][T9]") {
   const glm::dvec3 a(1e5, 2, 3), p = a + glm::dvec3(0.25, 0.5, -1);
   const glm::dvec3 e(1, 0, 0);
   for (const std::vector<glm::dvec3>& corners :
@@ -167,7 +167,7 @@ TEST_CASE("degenerate simplices fall to a lower one and say so") {
   CHECK(line.free[2] == 0.25);
 }
 
-TEST_CASE("smoothstepped weights sum to 1 and never vanish (T12)") {
+TEST_CASE("smoothstepped weights sum to 1 and never vanish (T12)", "[N5][T12]") {
   std::mt19937_64 random(8);
   std::exponential_distribution<double> exponential;
   for (std::size_t d : {2u, 3u, 4u})

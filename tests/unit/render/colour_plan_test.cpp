@@ -114,7 +114,7 @@ TEST_CASE("after a switch the main table is the identity in a second, in equal s
   CHECK(state.colourFade == 0);
 }
 
-TEST_CASE("time that stands still moves no table; the first frame shows its target") {
+TEST_CASE("time that stands still moves no table; the first frame shows its target", "[N9][T18]") {
   FramePlan plan = colours(planOf({1, 2}), 0, {});
   CHECK(plan.colour.mainShare == 1);  // there is nothing to fade from
   plan = colours(planOf({2, 1}), 0, plan.next);

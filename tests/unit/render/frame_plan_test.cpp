@@ -149,7 +149,7 @@ TEST_CASE("the extrapolation limit is in cell sizes") {
   CHECK(planOf(scene, cameraAt({1, 0, 2.8}, 0), settings).cells.empty());
 }
 
-TEST_CASE("the order of cells, members and nodes in the scene changes nothing") {
+TEST_CASE("the order of cells, members and nodes in the scene changes nothing", "[N8][T13]") {
   const Scene scene = stackedGrid();
   Scene shuffled = scene;
   std::mt19937_64 random(4);
@@ -169,7 +169,7 @@ TEST_CASE("the order of cells, members and nodes in the scene changes nothing") 
   }
 }
 
-TEST_CASE("moving the world changes no plan") {
+TEST_CASE("moving the world changes no plan", "[P6]") {
   const Scene scene = stackedGrid();
   const glm::dvec3 offset(1e7, -3e6, 2e5);
   const glm::dquat turn = glm::angleAxis(1.234, glm::normalize(glm::dvec3(1, 2, 3)));
@@ -190,7 +190,7 @@ TEST_CASE("moving the world changes no plan") {
   CHECK(a.cells[0].cell == b.cells[0].cell);
 }
 
-TEST_CASE("a camera that trembles on a border keeps its main cell (N8)") {
+TEST_CASE("a camera that trembles on a border keeps its main cell (N8)", "[N8][T13]") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   std::mt19937_64 random(9);
@@ -223,7 +223,7 @@ TEST_CASE("a camera that trembles on a border keeps its main cell (N8)") {
   }
 }
 
-TEST_CASE("views that cannot be rendered are refused") {
+TEST_CASE("views that cannot be rendered are refused", "[N16]") {
   const Scene scene = stackedGrid();
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
   auto refused = [&](auto change) {
@@ -270,7 +270,7 @@ TEST_CASE("a switch of the main cell is mixed for its time, then forgotten") {
   CHECK(planFrame(scene, bounds, {{after}, cut, 0.05}, state).formerWeight == 0);
 }
 
-TEST_CASE("time between frames is clamped (T18)") {
+TEST_CASE("time between frames is clamped (T18)", "[N9][T18]") {
   const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   PlanState state = planFrame(scene, bounds, {{cameraAt({0.45, 0, 0.45})}, {}, 0}, {}).next;
@@ -281,7 +281,7 @@ TEST_CASE("time between frames is clamped (T18)") {
     CHECK(planFrame(scene, bounds, {{cameraAt({0.55, 0, 0.55})}, {}, dt}, state).next.secondsSinceSwitch == 0.1);
 }
 
-TEST_CASE("both eyes get one order, from their middle, and weights of their own") {
+TEST_CASE("both eyes get one order, from their middle, and weights of their own", "[N8]") {
   const Scene scene = stackedGrid();
   // The border of two triangles runs between the eyes.
   const Camera left = cameraAt({0.47, 0, 0.5}), right = cameraAt({0.535, 0, 0.5});

@@ -113,7 +113,7 @@ TEST_CASE("at a member's pose its own rays come back, whatever ratio and depth s
     }
 }
 
-TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)") {
+TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)", "[N6][T10]") {
   const glm::vec3 a(0, 0, -1);
   for (double degrees : {0.0, 1e-6, 60.0, 90.0, 120.0, 150.0, 179.0})
     for (double lambda : {0.0, 0.5, 1.0, -2.0, 3.0}) {

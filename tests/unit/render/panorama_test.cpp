@@ -45,7 +45,7 @@ Pixel pixelAt(glm::dvec3 ray, double size, double roll = 0) {
 
 }  // namespace
 
-TEST_CASE("the shader's angles are right to 3e-7, whatever the quadrant") {
+TEST_CASE("the shader's angles are right to 3e-7, whatever the quadrant", "[N10][T21]") {
   CHECK(shader::angleOf(0.0f, 0.0f) == 0.0f);
   CHECK(shader::angleOf(0.0f, 1.0f) == 0.0f);
   CHECK(shader::angleOf(1.0f, 0.0f) == float(kPi / 2));
@@ -64,7 +64,7 @@ TEST_CASE("the shader's angles are right to 3e-7, whatever the quadrant") {
   }
 }
 
-TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, everywhere") {
+TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, everywhere", "[N10][T21]") {
   for (const float tiny : {0.0f, -0.0f, 1e-7f, -1e-7f})
     for (const float other : {0.0f, -0.0f, 1e-7f, -1e-7f})
       for (const float pole : {1.0f, -1.0f}) {
@@ -82,7 +82,7 @@ TEST_CASE("directions find their pixel to 1e-3 px of 8192: poles, antimeridian, 
   CHECK(worst < 1.2e-3);  // 3e-7 rad in longitude, half a unit in the last place of u, the same in latitude
 }
 
-TEST_CASE("the six axes lie where INTERFACE places them") {
+TEST_CASE("the six axes lie where INTERFACE places them", "[N10][T19]") {
   const auto at = [](float x, float y, float z) { return shader::panoramaCoordinate({x, y, z}); };
   CHECK(at(0, 0, -1) == shader::vec2(0.5f, 0.5f));
   CHECK(at(1, 0, 0) == shader::vec2(0.75f, 0.5f));

@@ -30,7 +30,7 @@ bool finite(glm::dvec3 v) {
 
 }  // namespace
 
-TEST_CASE("fields of view from a needle to half the sphere") {
+TEST_CASE("fields of view from a needle to half the sphere", "[N13]") {
   for (double degrees : {1e-3, 1.0, 60.0, 120.0, 170.0, 179.0, 179.9}) {
     const double fov = degrees * kPi / 180;
     const Intrinsics k = pinholeFromFov(1920, 1080, fov);
@@ -52,7 +52,7 @@ TEST_CASE("fields of view from a needle to half the sphere") {
   CHECK_THROWS_AS(pinholeFromFov(640, -1, 1.0), Error);
 }
 
-TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them") {
+TEST_CASE("off-centre frusta up to 89.9 degrees, as headsets have them", "[N13]") {
   const double steepest = 89.9 * kPi / 180;
   double worst = 0;  // px
   for (double left : {-steepest, -1.0, -0.1, 1e-9, 0.3})
@@ -88,7 +88,7 @@ TEST_CASE("the tangents of a centred pinhole are that pinhole") {
   CHECK(b.cy == Approx(a.cy).epsilon(1e-15));
 }
 
-TEST_CASE("tangents that no headset has are refused") {
+TEST_CASE("tangents that no headset has are refused", "[N13][N16]") {
   const auto refused = [](double left, double right, double up, double down) {
     CHECK_THROWS_AS(pinholeFromTangents(640, 480, left, right, up, down), Error);
   };
@@ -109,7 +109,7 @@ TEST_CASE("tangents that no headset has are refused") {
   CHECK_THROWS_AS(pinholeFromTangents(640, -1, -1, 1, 1, -1), Error);
 }
 
-TEST_CASE("the six axes of a panorama") {
+TEST_CASE("the six axes of a panorama", "[N10][T19]") {
   // Conventions: x right, y up, −z forward and in the middle of the picture.
   const auto at = [](glm::dvec3 d) { return project(kPanorama, d).value(); };
   CHECK(at({0, 0, -1}) == glm::dvec2(4096, 2048));
@@ -121,7 +121,7 @@ TEST_CASE("the six axes of a panorama") {
   CHECK(at({-1e-300, 0, 1}).x == Approx(0).margin(1e-9));
 }
 
-TEST_CASE("panorama round trips, at the poles and the seam too") {
+TEST_CASE("panorama round trips, at the poles and the seam too", "[N10]") {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const auto roundTrip = [](glm::dvec3 d) {
@@ -159,7 +159,7 @@ TEST_CASE("a resized camera sees the same") {
   CHECK_THROWS_AS(resized(Intrinsics{}, 10, 10), Error);
 }
 
-TEST_CASE("no camera function returns NaN, whatever it is given") {
+TEST_CASE("no camera function returns NaN, whatever it is given", "[N16]") {
   std::vector<Intrinsics> cameras{kPanorama, pinholeFromFov(640, 480, 1.0)};
   for (double value : kExtremes)
     for (double Intrinsics::*field : {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::cx, &Intrinsics::cy}) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The locale in which a test program runs.
+#pragma once
+
+#include <clocale>
+#include <cstdio>
+#include <cstdlib>
+#include <locale>
+#include <stdexcept>
+#include <string>
+
+namespace ibr::test {
+
+/// That of IBR_TEST_LOCALE, which must write 0,5, for C and C++ (programs that link the library set theirs so); without
+/// it that of all C programs. False where there is no such locale, which is told.
+inline bool setTestLocale() {
+  const char* name = std::getenv("IBR_TEST_LOCALE");
+  if (!name || !*name) return true;
+  char half[8] = "";
+  try {
+    std::locale::global(std::locale(name));
+    std::snprintf(half, sizeof half, "%.1f", 0.5);
+  } catch (const std::runtime_error&) {
+  }
+  const bool comma = std::string(half) == "0,5";
+  if (!comma)
+    std::fprintf(stderr, "skipped: there is no locale %s with a decimal comma (tests/run.sh makes it)\n", name);
+  return comma;
+}
+
+}  // namespace ibr::test
