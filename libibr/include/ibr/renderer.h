@@ -304,8 +304,9 @@ struct FramePlan {
 };
 
 /// Pure. Preconditions: validate(scene) is empty; one or two views, pinholes with finite, positive focal lengths and a
-/// unit rotation, scales positive, else Error{invalidInput}. The order is total, does not depend on the order of cells
-/// in the scene, and is one for all views, from the pose in their middle ([T] §2.5.4).
+/// unit rotation, within 1e12 world units of the origin, scales positive, else Error{invalidInput}. The order is total,
+/// does not depend on the order of cells in the scene, and is one for all views, from the pose in their middle ([T]
+/// §2.5.4).
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
 /// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes

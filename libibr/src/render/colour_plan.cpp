@@ -84,7 +84,8 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
     colour.counted = anyNew || !eyesShare(plan) || state.colourAge + 1 >= settings.colourPeriod;
     plan.next.colourAge = colour.counted ? 0 : state.colourAge + 1;
     colour.share = settings.colourSmoothSeconds > 0 ? -std::expm1(-seconds / settings.colourSmoothSeconds) : 1.0;
-    colour.largestStep = std::clamp(settings.colourLargestSpeed * seconds, 0.0, 255.0);
+    const double step = settings.colourLargestSpeed * seconds;
+    colour.largestStep = step > 0 ? std::min(step, 255.0) : 0.0;  // not a number: 0
   }
 }
 

@@ -25,6 +25,7 @@
 #include "render/exposure_plan.h"
 #include "render/occlusion.h"
 #include "render/transition.h"
+#include "scene/faults.h"
 
 namespace ibr {
 namespace {
@@ -39,6 +40,8 @@ void checkView(const Camera& view) {
   const glm::dvec3 p = view.pose.position;
   check(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), ErrorCode::invalidInput,
         "view: position ({}, {}, {}) is not finite", p.x, p.y, p.z);
+  check(withinWorld(p), ErrorCode::invalidInput,
+        "view: position ({}, {}, {}) is further from the origin than {} world units", p.x, p.y, p.z, kWorldRadius);
   const double length = glm::length(view.pose.rotation);
   check(std::abs(length - 1.0) <= 1e-3, ErrorCode::invalidInput, "view: rotation has length {}, not 1", length);
 }
@@ -123,7 +126,7 @@ class Planner {
     planned.rotationalDistance = fromMiddle.rotation;
     const double limit = settings_.extrapolationLimit * bounds_.cells[index].size;
     const double fade = settings_.fadeShare * limit;
-    if (fade > 0) planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
+    if (fade > 0 && std::isfinite(fade)) planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
     for (std::size_t v = 0; v < plan_.views.size(); ++v) {
       const Barycentric weights =
           plan_.views.size() == 1 ? fromMiddle.weights

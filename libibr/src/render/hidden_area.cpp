@@ -9,6 +9,7 @@
 #include "gpu/rendering.h"
 #include "gpu/upload.h"
 #include "shaders/hidden_area_frag.h"
+#include "shaders/hidden_area_multiview_vert.h"
 #include "shaders/hidden_area_vert.h"
 #include "shared/hidden_area.h"
 
@@ -52,12 +53,10 @@ HiddenArea::HiddenArea(const Device& device, const std::array<std::vector<glm::v
   layout_ = makePipelineLayout(device, {}, {&constants, 1});
   const VkVertexInputBindingDescription binding{0, sizeof(glm::vec3), VK_VERTEX_INPUT_RATE_VERTEX};
   const VkVertexInputAttributeDescription attribute{0, 0, VK_FORMAT_R32G32B32_SFLOAT, 0};
-  const auto pipeline = [&](VkRenderPass pass, VkBool32 bothEyes) {
-    const VkSpecializationMapEntry entry{0, 0, sizeof bothEyes};
+  const auto pipeline = [&](VkRenderPass pass, std::span<const std::uint32_t> vertex) {
     return makeGraphicsPipeline(device, {.name = "hidden area",
-                                         .vertex = shaders::hidden_area_vert,
+                                         .vertex = vertex,
                                          .fragment = shaders::hidden_area_frag,
-                                         .specialisation = {{&entry, 1}, std::as_bytes(std::span(&bothEyes, 1))},
                                          .bindings = {&binding, 1},
                                          .attributes = {&attribute, 1},
                                          .layout = layout_.get(),
@@ -65,8 +64,8 @@ HiddenArea::HiddenArea(const Device& device, const std::array<std::vector<glm::v
                                          .depthTest = true,
                                          .depthWrite = true});
   };
-  single_ = pipeline(renderPass, VK_FALSE);
-  if (eyesPass) eyes_ = pipeline(eyesPass, VK_TRUE);
+  single_ = pipeline(renderPass, shaders::hidden_area_vert);
+  if (eyesPass) eyes_ = pipeline(eyesPass, shaders::hidden_area_multiview_vert);
 }
 
 void HiddenArea::draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,

@@ -14,7 +14,10 @@ void checkCamera(const Camera& camera, const std::string& at, Faults& faults) {
     if (!std::isfinite(k.cx) || !std::isfinite(k.cy))
       faults.add(at + ".intrinsics", "principal point ({}, {}) is not finite", k.cx, k.cy);
   }
-  if (!finite(camera.pose.position)) faults.add(at + ".pose.position", "is not finite");
+  if (!finite(camera.pose.position))
+    faults.add(at + ".pose.position", "is not finite");
+  else if (!withinWorld(camera.pose.position))
+    faults.add(at + ".pose.position", "is further from the origin than {} world units", kWorldRadius);
   const glm::dquat& q = camera.pose.rotation;
   const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   if (!(std::abs(length - 1.0) <= 1e-3)) faults.add(at + ".pose.rotation", "has length {}, not 1", length);

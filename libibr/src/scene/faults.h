@@ -19,6 +19,13 @@ inline bool finite(glm::dvec3 v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// Far beyond any place on or about the Earth, and products of a few lengths stay finite, also in single precision.
+inline constexpr double kWorldRadius = 1e12;
+
+inline bool withinWorld(glm::dvec3 v) {
+  return std::abs(v.x) <= kWorldRadius && std::abs(v.y) <= kWorldRadius && std::abs(v.z) <= kWorldRadius;
+}
+
 /// Collects faults up to a limit.
 class Faults {
  public:
