@@ -9,7 +9,7 @@ using namespace ibr;
 using Catch::Contains;
 using test::runProgram;
 
-TEST_CASE("bench of a generated scene reports every way's frames and passes") {
+TEST_CASE("bench of a generated scene reports every way's frames and passes", "[T26]") {
   if (!test::deviceIsThere()) return;
   const auto outcome = runProgram({"bench", "--generated", "stitched-5,panorama-1", "--generated-detail", "0.05",
                                    "--size", "64x36", "--views", "1", "--repeat", "2", "--stereo", "--json", "-"},

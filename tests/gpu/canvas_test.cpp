@@ -81,7 +81,7 @@ TEST_CASE("without depth the last triangle wins and depth stays") {
   CHECK(readDepth(passes.canvas(), {1, 1})[0] == 1.0f);
 }
 
-TEST_CASE("depth clamp keeps what lies before the near plane") {
+TEST_CASE("depth clamp keeps what lies before the near plane", "[N6][T10]") {
   const PicturePasses passes(testDevice(), {1, 1}, square(-1, 1, -3.0f, {0, 1, 0}), {});
   submitAndWait(testDevice(), [&](VkCommandBuffer commands) { passes.recordCanvas(commands, {1, 1}); });
   CHECK(pixel(readColour(passes.canvas(), {1, 1}), 0) == Pixel{0, 255, 0, 255});

@@ -120,7 +120,7 @@ int failEachCall(VkResult result, ErrorCode code, Call call) {
 
 }  // namespace
 
-TEST_CASE("a buffer that is too large is refused with its name and size, and the next works") {
+TEST_CASE("a buffer that is too large is refused with its name and size, and the next works", "[P10]") {
   const VkDeviceSize size = VkDeviceSize(1) << 50;
   const auto kind = GENERATE(MemoryKind::device, MemoryKind::upload, MemoryKind::readback);
   for (const VkDeviceSize wanted : {size, testDevice().memoryProperties().memoryHeaps[0].size + 1}) {
@@ -136,7 +136,7 @@ TEST_CASE("a buffer that is too large is refused with its name and size, and the
   CHECK(buffer.get() != VK_NULL_HANDLE);
 }
 
-TEST_CASE("an image that is too large is refused, and the next works") {
+TEST_CASE("an image that is too large is refused, and the next works", "[P10]") {
   const std::uint32_t side = testDevice().properties().limits.maxImageDimension2D;
   GpuImageInfo info{.format = VK_FORMAT_R32G32B32A32_SFLOAT,
                     .extent = {side, side},
@@ -181,7 +181,7 @@ TEST_CASE("images beyond the device's limits are refused with the limit") {
   CHECK_THAT(refusal(info), Contains("VkFormat 9"));
 }
 
-TEST_CASE("whichever call fails, it is an error, nothing leaks and the next picture is right") {
+TEST_CASE("whichever call fails, it is an error, nothing leaks and the next picture is right", "[P2][P10]") {
   const auto [result, code] = GENERATE(std::pair(VK_ERROR_OUT_OF_DEVICE_MEMORY, ErrorCode::outOfMemory),
                                        std::pair(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory),
                                        std::pair(VK_ERROR_DEVICE_LOST, ErrorCode::deviceLost));
@@ -192,7 +192,7 @@ TEST_CASE("whichever call fails, it is an error, nothing leaks and the next pict
   CHECK(failures > 40);  // or the calls are not ours
 }
 
-TEST_CASE("whichever call fails, a device is made whole or not at all") {
+TEST_CASE("whichever call fails, a device is made whole or not at all", "[P10]") {
   const int failures = failEachCall(VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,
                                     [] { Device::create({.validation = true, .log = test::testLog()}); });
   CHECK(failures > 2);

@@ -16,7 +16,7 @@ int tierAt(const Image8& picture, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("the cell pass shows what its twin computes") {
+TEST_CASE("the cell pass shows what its twin computes", "[P9]") {
   for (std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), makeScene(place(members)));
     for (BlendMode blend : {BlendMode::blend, BlendMode::dither})
@@ -31,7 +31,7 @@ TEST_CASE("the cell pass shows what its twin computes") {
   }
 }
 
-TEST_CASE("views with odd sizes, wide angles and off-centre principal points") {
+TEST_CASE("views with odd sizes, wide angles and off-centre principal points", "[N6][P9]") {
   const Stage stage(testDevice(), makeScene(place(3)));
   Camera view = cameraAt({0.4, 0.3, 0}, 0, 0, 333, 201, 1.9);
   compareWithTwin(stage, stage.plan(view, withTiers()), 0.05);

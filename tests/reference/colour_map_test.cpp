@@ -234,7 +234,7 @@ TEST_CASE("a proxy is sampled at the picture's detail") {
   CHECK(spread(8) == Approx(spread(1)).epsilon(0.1));
 }
 
-TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, and the same picture", "[N9]") {
+TEST_CASE("ours and the paper's two ways: the same tables on the same pixels, and the same picture", "[N9][T17]") {
   Passes passes(exposures(kPlanted), 64);
   for (double samples : {1.0, 0.5})
     for (ColourTable method : {ColourTable::naive, ColourTable::preserving}) {
@@ -319,7 +319,7 @@ TEST_CASE("whole frames: the seam goes, the main cell stays, a photograph comes 
   }
 }
 
-TEST_CASE("a still camera shows the same picture again and again, once tables have come to rest") {
+TEST_CASE("a still camera shows the same picture again and again, once tables have come to rest", "[P3]") {
   const SyntheticScene place = exposures(kPlanted);
   const SceneBounds bounds = sceneBounds(place.scene);
   GpuScene scene(testDevice(), place.scene, {.source = photographsOf(place)});

@@ -140,7 +140,7 @@ reference::CellTable identity() {
 
 }  // namespace
 
-TEST_CASE("the device's tables are the twin's, bit for bit", "[N9][T16]") {
+TEST_CASE("the device's tables are the twin's, bit for bit", "[N9][T16][P7]") {
   for (int count : {1, 2, 3, 7, 12}) {
     Bench bench{std::uint32_t(count)};
     for (std::uint32_t method : {shader::kMapNaive, shader::kMapStrict, shader::kMapPreserving})

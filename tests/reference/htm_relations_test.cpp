@@ -186,7 +186,7 @@ TEST_CASE("where no camera sees a point, those that take part show it", "[htm][N
   }
 }
 
-TEST_CASE("extremes of models are drawn", "[htm]") {
+TEST_CASE("extremes of models are drawn", "[htm][T23]") {
   const auto drawAll = [](const HtmStage& stage) {
     double covered = 0;
     for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {

@@ -37,7 +37,7 @@ void compareWithTwin(const HtmStage& stage, const Camera& view, const HtmSetting
 
 }  // namespace
 
-TEST_CASE("a harmonised model is drawn as its twin says", "[htm]") {
+TEST_CASE("a harmonised model is drawn as its twin says", "[htm][P9]") {
   const HtmStage stage(bumpyModel());
   const BumpyOptions options;
   for (const HtmMethod method : {HtmMethod::harmonised, HtmMethod::blended, HtmMethod::vertexColours}) {

@@ -138,7 +138,7 @@ TEST_CASE("eyes share their colours, or each has its own") {
   CHECK(own[1] == pictures({right, left})[0]);
 }
 
-TEST_CASE("presets go from fast to accurate, and fit what they need") {
+TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
   double pixels = 0;
   std::uint32_t cells = 0;
   for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference}) {

@@ -74,7 +74,7 @@ glm::dvec3 resampled(const Image8& panorama, glm::dvec2 pixel) {
 
 }  // namespace
 
-TEST_CASE("panoramas in every direction are what the twin computes, and leave no hole") {
+TEST_CASE("panoramas in every direction are what the twin computes, and leave no hole", "[P9]") {
   for (std::size_t members : {2u, 3u, 4u}) {
     const Stage stage(testDevice(), makeScene(room(members)));
     for (int way = 0; way < kWays; ++way)

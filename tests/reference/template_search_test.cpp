@@ -207,7 +207,7 @@ TEST_CASE("correlation: both searches find what the reference finds, but for rou
   expectCloseCorrelation(all, onDevice(all, radius, TemplateMeasure::correlation), wanted, radius, 4e-6);
 }
 
-TEST_CASE("the largest template of the largest contrast overflows nothing") {
+TEST_CASE("the largest template of the largest contrast overflows nothing", "[N12]") {
   std::mt19937 random(5);
   Case all;
   all.pictures = {Image8(80, 80, 3)};

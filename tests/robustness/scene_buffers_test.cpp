@@ -122,7 +122,7 @@ TEST_CASE("a buffer file that is cut, missing or no file is named") {
   writeFile(file, good);
 }
 
-TEST_CASE("references stay inside the scene's folder") {
+TEST_CASE("references stay inside the scene's folder", "[P1]") {
   fs::create_directory_symlink("/etc", example().folder / "link");
   for (const std::string pointer :
        {"/buffers/0/uri", "/images/0/uri", "/extensions/IBR_image_graph/photographs/0/texture/uri"})
@@ -172,7 +172,7 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
   example().restore();
 }
 
-TEST_CASE("bytes flipped at random never do harm") {
+TEST_CASE("bytes flipped at random never do harm", "[P1]") {
   const std::string document = example().document.dump();
   const std::vector<std::byte> buffer = readFile(example().bufferOf(0));
   std::mt19937 random(1);

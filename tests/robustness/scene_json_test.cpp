@@ -40,7 +40,7 @@ TEST_CASE("whole numbers are whole, in range, and numbers") {
   refuse("/extensions/IBR_image_graph/version", "0");
 }
 
-TEST_CASE("numbers are numbers, finite and in range") {
+TEST_CASE("numbers are numbers, finite and in range", "[P2][N16]") {
   for (const std::string pointer :
        {"/nodes/0/translation/1", "/nodes/0/rotation/3", "/extensions/IBR_image_graph/photographs/0/camera/fx",
         "/extensions/IBR_image_graph/photographs/0/camera/cx", "/extensions/IBR_image_graph/origin/heightMetres",
@@ -178,7 +178,7 @@ TEST_CASE("every key of ours and every list of glTF may be of a wrong kind") {
   example().restore();
 }
 
-TEST_CASE("keys stand once, and nesting has an end") {
+TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
   std::string document = example().document.dump();
   const auto twice = [&](std::string_view after, std::string_view inserted) {
     std::string wrong = document;
@@ -209,7 +209,7 @@ TEST_CASE("keys stand once, and nesting has an end") {
   example().restore();
 }
 
-TEST_CASE("a document cut anywhere is refused") {
+TEST_CASE("a document cut anywhere is refused", "[P1]") {
   const std::string document = example().document.dump();
   for (std::size_t length = 0; length < document.size(); length += 97) {
     writeFile(example().folder / "scene.gltf", std::string_view(document).substr(0, length));
@@ -270,7 +270,7 @@ TEST_CASE("extensions that are required and unknown are refused") {
   example().restore();
 }
 
-TEST_CASE("several faults are all reported, up to the limit") {
+TEST_CASE("several faults are all reported, up to the limit", "[P2]") {
   Json wrong = example().document;
   wrong["nodes"][0]["name"] = 7;
   wrong["nodes"][2]["rotation"] = {0, 0, 0, 2};
@@ -298,7 +298,7 @@ TEST_CASE("paths that are no scene") {
   CHECK(refusal(folder / longName).code == ErrorCode::io);
 }
 
-TEST_CASE("a locale with decimal commas changes nothing") {
+TEST_CASE("a locale with decimal commas changes nothing", "[locale]") {
   const char* const set = std::setlocale(LC_ALL, "de_DE.UTF-8");
   const Scene scene = loadScene(example().folder.path());
   if (set) std::setlocale(LC_ALL, "C");

@@ -46,11 +46,12 @@ std::vector<PanoramaFace> cubeFaces();
 /// `count` (1 to 360) views round the horizon in equal steps to the right, the first to the front.
 std::vector<PanoramaFace> horizonFaces(int count);
 
-/// A square picture, `size` px wide, of the directions within `fovRadians` (0 < fov < π).
+/// A square picture, `size` px wide, of the directions within `fovRadians`. Throws Error{invalidInput} unless
+/// 0 < fov < π.
 Intrinsics faceIntrinsics(int size, double fovRadians);
 
 /// The size at which such a face has as many pixels an angle, in its middle, as a panorama `width` px wide has at its
-/// equator; at least 1.
+/// equator; at least 1. Throws likewise.
 int faceSize(int panoramaWidth, double fovRadians);
 
 enum class PictureFormat : std::uint8_t { asSource, jpeg, png };  // asSource: PNG where the source is no JPEG

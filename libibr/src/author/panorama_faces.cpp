@@ -14,7 +14,12 @@
 namespace ibr {
 namespace {
 constexpr double kPi = std::numbers::pi;
+
+void checkFace(double fovRadians) {
+  check(fovRadians > 0 && fovRadians < kPi, ErrorCode::invalidInput,
+        "a face's field of view of {} radians is not between 0 and π", fovRadians);
 }
+}  // namespace
 
 std::array<glm::dquat, 6> cubeRotations() {
   const glm::dvec3 x(1, 0, 0), y(0, 1, 0);
@@ -33,17 +38,19 @@ std::vector<PanoramaFace> horizonFaces(int count) {
   check(count >= 1 && count <= 360, ErrorCode::invalidInput, "{} views round the horizon are not 1 to 360", count);
   std::vector<PanoramaFace> faces;
   for (int i = 0; i < count; ++i)
-    faces.push_back({fmt::format("view{:0{}}", i, count > 100 ? 3 : 2),
-                     glm::angleAxis(-2 * kPi * i / count, glm::dvec3(0, 1, 0))});
+    faces.push_back(
+        {fmt::format("view{:0{}}", i, count > 100 ? 3 : 2), glm::angleAxis(-2 * kPi * i / count, glm::dvec3(0, 1, 0))});
   return faces;
 }
 
 Intrinsics faceIntrinsics(int size, double fovRadians) {
+  checkFace(fovRadians);
   const double focal = 0.5 * size / std::tan(0.5 * fovRadians);
   return {CameraModel::pinhole, size, size, focal, focal, 0.5 * size, 0.5 * size};
 }
 
 int faceSize(int panoramaWidth, double fovRadians) {
+  checkFace(fovRadians);
   return int(std::clamp(std::round(panoramaWidth / kPi * std::tan(0.5 * fovRadians)), 1.0, 1e9));
 }
 

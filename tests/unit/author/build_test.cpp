@@ -213,7 +213,7 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
   CHECK_FALSE(fs::exists(scene.folder / ".build"));
 }
 
-TEST_CASE("the same bytes from one thread and from two, and after a cancelled build") {
+TEST_CASE("the same bytes from one thread and from two, and after a cancelled build", "[P3]") {
   const Set set;
   BuildOptions one = set.options("one"), two = set.options("two"), stopped = set.options("stopped");
   one.threads = stopped.threads = 1;

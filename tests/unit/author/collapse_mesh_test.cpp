@@ -44,7 +44,7 @@ TEST_CASE("Collapses that would change the topology are told", "[N15]") {
   CHECK(tube.keepsTopology(0, 3));
 }
 
-TEST_CASE("Collapses that turn faces are told", "[N15]") {
+TEST_CASE("Collapses that turn faces are told", "[N15][P8]") {
   const CollapseMesh grid(test::flatGrid(4));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0}, 0.5));
   CHECK(grid.keepsNormals(6, 7, {1.5, 1, 0.25}, 0.5));

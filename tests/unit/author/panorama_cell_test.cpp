@@ -179,3 +179,31 @@ TEST_CASE("masked panoramas are not matched where they are masked") {
   views[1].mask = Image8(band.width, band.height, 1, 0);
   CHECK(agreeingIn(panoramaCell(views, {})) == 0);
 }
+
+TEST_CASE("directions at the extremes: cocircular, nearly the same, many at a pole", "[N10]") {
+  const auto closes = [](const std::vector<glm::dvec3>& directions, const std::vector<glm::uvec3>& triangles) {
+    double solidAngle = 0;
+    std::vector<bool> used(directions.size());
+    for (const glm::uvec3& t : triangles) {
+      const glm::dvec3 a = glm::normalize(directions[t.x]), b = glm::normalize(directions[t.y]),
+                       c = glm::normalize(directions[t.z]);
+      // Van Oosterom and Strackee 1983; negative for a triangle that looks inwards.
+      solidAngle += 2 * std::atan2(glm::determinant(glm::dmat3(a, b, c)),
+                                   1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+      used[t.x] = used[t.y] = used[t.z] = true;
+    }
+    CHECK(solidAngle == Approx(4 * kPi).epsilon(1e-9));
+    const auto vertices = std::size_t(std::count(used.begin(), used.end(), true));
+    CHECK(triangles.size() == 2 * vertices - 4);
+    return vertices;
+  };
+  std::vector<glm::dvec3> cube;
+  for (int i = 0; i < 8; ++i) cube.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+  CHECK(closes(cube, delaunaySphere(cube)) == 8);
+  std::vector<glm::dvec3> poles = cube;
+  for (int i = 0; i < 36; ++i) poles.emplace_back(0, i % 2 ? 1 : -1, 0);
+  CHECK(closes(poles, delaunaySphere(poles)) == 10);
+  std::vector<glm::dvec3> close = randomDirections(60, 3);
+  for (int i = 0; i < 60; ++i) close.push_back(close[std::size_t(i)] + glm::dvec3(1e-9, -1e-9, 1e-9));
+  CHECK(closes(close, delaunaySphere(close)) >= 60);
+}

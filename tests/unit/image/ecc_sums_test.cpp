@@ -139,7 +139,7 @@ std::size_t best(const std::vector<std::vector<PreEcc>>& candidates, EccDefiniti
 
 }  // namespace
 
-TEST_CASE("sums are exact and the ECC is right at every area, in any order", "[N1]") {
+TEST_CASE("sums are exact and the ECC is right at every area, in any order", "[N1][P7]") {
   for (const Pattern& pattern : patterns())
     for (std::size_t channels : {1, 3})
       for (std::size_t targets : {1, 2, 3})

@@ -7,6 +7,7 @@
 #include "formula_pictures.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
+#include "support/extremes.h"
 
 using namespace ibr;
 
@@ -129,4 +130,13 @@ TEST_CASE("FLIP refuses what it cannot compare") {
   CHECK_THROWS_AS(flip(greyOnly, a), Error);
   CHECK_THROWS_AS(flip(Image8(), Image8()), Error);
   for (const double perDegree : {0.0, -1.0, 1e9, std::nan("")}) CHECK_THROWS_AS(flip(a, a, perDegree), Error);
+}
+
+TEST_CASE("FLIP of any number of pixels a degree is refused or a share", "[N16]") {
+  Image8 a(16, 16, 3, 40), b(16, 16, 3, 200);
+  for (const double pixels : test::kExtremes) {
+    INFO(pixels);
+    CHECK_THROWS_AS(flip(a, b, pixels), Error);
+  }
+  for (const double pixels : {1.0, 1000.0}) CHECK((flip(a, b, pixels) > 0 && flip(a, b, pixels) <= 1));
 }

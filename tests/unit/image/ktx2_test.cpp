@@ -168,7 +168,7 @@ TEST_CASE("files of blocks: descriptor and alignment") {
   }
 }
 
-TEST_CASE("a faulty file is refused with file and field") {
+TEST_CASE("a faulty file is refused with file and field", "[P2][N14]") {
   const test::TemporaryFolder folder;
   writeKtx2(folder / "good.ktx2", chain(8, 4));
   const std::vector<std::byte> good = readFile(folder / "good.ktx2");

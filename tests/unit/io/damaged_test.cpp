@@ -35,7 +35,7 @@ long peakKilobytes() {
 
 }  // namespace
 
-TEST_CASE("a file cut anywhere is an error that names it") {
+TEST_CASE("a file cut anywhere is an error that names it", "[P1][P2]") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(61, 47, 3);
   cutEverywhere(folder, "baseline.jpg", test::makeJpeg(image, test::JpegKind::baseline));
@@ -77,7 +77,7 @@ TEST_CASE("a damaged PNG is an error") {
   CHECK(test::errorOf([&] { readImage(folder / "a.png"); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("sizes over the limits are refused before anything is decoded") {
+TEST_CASE("sizes over the limits are refused before anything is decoded", "[P1]") {
   test::TemporaryFolder folder;
   const Image8 image = test::noisyPicture(61, 47, 3);
   const test::Bytes baseline = test::makeJpeg(image, test::JpegKind::baseline);
@@ -110,7 +110,7 @@ TEST_CASE("limits can be lowered and raised") {
   CHECK(test::errorOf([&] { readImage(folder / "a.png", false, {.side = 19}); }).code() == ErrorCode::invalidInput);
 }
 
-TEST_CASE("a progressive JPEG with hundreds of scans is refused") {
+TEST_CASE("a progressive JPEG with hundreds of scans is refused", "[P1]") {
   test::TemporaryFolder folder;
   test::writeBytes(folder / "a.jpg", test::makeJpeg(test::noisyPicture(64, 64, 3), test::JpegKind::manyScans));
   const Error error = test::errorOf([&] { readImage(folder / "a.jpg"); });

@@ -63,7 +63,7 @@ TEST_CASE("a move never lowers the ECC of its own star", "[N3]") {
   CHECK(lowered == 0);
 }
 
-TEST_CASE("the same seed gives the same mesh on any number of threads, another seed one as good", "[N3]") {
+TEST_CASE("the same seed gives the same mesh on any number of threads, another seed one as good", "[N3][P3]") {
   std::vector<double> ecc;
   Positions first;
   for (const std::uint64_t seed : {1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20}) {

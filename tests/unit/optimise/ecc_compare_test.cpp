@@ -24,7 +24,7 @@ std::int64_t randomBits(std::mt19937_64& random, int bits) {
 
 }  // namespace
 
-TEST_CASE("the order of scores is exact up to the largest sums", "[N1][T4]") {
+TEST_CASE("the order of scores is exact up to the largest sums", "[N1][T4][P7]") {
   std::mt19937_64 random(3);
   int equal = 0;
   for (int i = 0; i < 200000; ++i) {

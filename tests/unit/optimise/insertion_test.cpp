@@ -280,7 +280,7 @@ TEST_CASE("no more points than asked for, and those first that gain most") {
 }
 
 // In one picture a triangle is so thin that where a point comes to stand on the grid decides whether it folds over.
-TEST_CASE("of triangles that are thin in one picture no part folds over", "[N4]") {
+TEST_CASE("of triangles that are thin in one picture no part folds over", "[N4][P8]") {
   const Image8 grey(80, 80, 3, 90);
   std::mt19937 random(36);
   const auto upTo = [&](int most) { return int(random() % unsigned(most + 1)); };

@@ -38,10 +38,15 @@ Alignment fan(std::mt19937& random, int members, const Image8& picture) {
   return a;
 }
 
+__extension__ using Int128 = __int128;
+
+// Twice the area, in 128 bits: exact whatever the positions, and nothing of the code under test.
+Int128 exactArea(glm::ivec2 a, glm::ivec2 b, glm::ivec2 c) {
+  return (Int128(b.x) - a.x) * (Int128(c.y) - a.y) - (Int128(b.y) - a.y) * (Int128(c.x) - a.x);
+}
+
 bool foldsSomewhere(const Positions& at, const glm::uvec3& t) {
-  const auto folded = [&](auto&& position) {
-    return shader::eccArea(position(t.x), position(t.y), position(t.z)) <= 0;
-  };
+  const auto folded = [&](auto&& position) { return exactArea(position(t.x), position(t.y), position(t.z)) <= 0; };
   glm::ivec2 none(0);
   bool any = folded([&](std::uint32_t p) {
     glm::ivec2 sum = none;
@@ -57,7 +62,7 @@ bool foldsSomewhere(const Positions& at, const glm::uvec3& t) {
 
 }  // namespace
 
-TEST_CASE("no candidate folds a triangle over, in a million", "[N4][T8]") {
+TEST_CASE("no candidate folds a triangle over, in a million", "[N4][T8][P8]") {
   std::mt19937 random(17);
   const Image8 picture(128, 128, 3);
   std::size_t candidates = 0, moved = 0;
@@ -82,8 +87,8 @@ TEST_CASE("no candidate folds a triangle over, in a million", "[N4][T8]") {
           if (!foldsSomewhere(a.position, t)) REQUIRE_FALSE(foldsSomewhere(at, t));
         for (const glm::uvec3& t : a.kept)
           for (std::size_t i = 0; i < at.size(); ++i)
-            if (shader::eccArea(a.position[i][t.x], a.position[i][t.y], a.position[i][t.z]) > 0)
-              REQUIRE(shader::eccArea(at[i][t.x], at[i][t.y], at[i][t.z]) > 0);
+            if (exactArea(a.position[i][t.x], a.position[i][t.y], a.position[i][t.z]) > 0)
+              REQUIRE(exactArea(at[i][t.x], at[i][t.y], at[i][t.z]) > 0);
       }
     }
   }
@@ -148,4 +153,13 @@ TEST_CASE("alignments that cannot be are refused by name") {
   CHECK(faultOf([](Alignment& a) { a.fixed = {1}; }) == "alignment.fixed: 1 entries for 9 points");
   const Image8 grey(64, 64, 1);
   CHECK(faultOf([&](Alignment& a) { a.pictures[1] = &grey; }) == "alignment.pictures[1]: not an RGB picture");
+}
+
+TEST_CASE("positions of the grid are exact in single precision, up to the largest picture", "[N4]") {
+  constexpr int kLargest = 16384 * kAlignmentUnitsPerPixel;
+  for (int i = 0; i <= kLargest; i += 61) {
+    const float stored = float(i) / kAlignmentUnitsPerPixel;
+    REQUIRE(double(stored) * kAlignmentUnitsPerPixel == i);
+  }
+  CHECK(double(float(kLargest - 1) / kAlignmentUnitsPerPixel) * kAlignmentUnitsPerPixel == kLargest - 1);
 }

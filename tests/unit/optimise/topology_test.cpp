@@ -118,7 +118,7 @@ TEST_CASE("nothing flips where the mesh is right, or where there is nothing to t
 }
 
 // Without texture both diagonals are as good, and with a gain below zero all that may flip does.
-TEST_CASE("of any two triangles none comes to fold over", "[N4]") {
+TEST_CASE("of any two triangles none comes to fold over", "[N4][P8]") {
   const Image8 grey(64, 64, 3, 90);
   const int members = GENERATE(2, 3, 4);
   const std::vector<Texels> texels(std::size_t(members), texelsOf(grey));

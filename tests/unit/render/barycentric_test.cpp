@@ -3,6 +3,7 @@
 #include "render/barycentric.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -69,7 +70,7 @@ glm::dvec3 pointOf(const std::vector<glm::dvec3>& corners, const Weights& weight
 
 }  // namespace
 
-TEST_CASE("weights are exact to rounding, in small and large worlds", "[N5][T9]") {
+TEST_CASE("weights are exact to rounding, in small and large worlds", "[N5][T9][P5]") {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   auto vector = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
@@ -115,7 +116,7 @@ TEST_CASE("slivers keep their digits where a matrix inverse has none", "[N5][T9]
   }
 }
 
-TEST_CASE("the clamped point is the closest one", "[N5]") {
+TEST_CASE("the clamped point is the closest one", "[N5][P5]") {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   auto vector = [&] { return glm::dvec3(unit(random), unit(random), unit(random)); };
@@ -186,4 +187,44 @@ TEST_CASE("smoothstepped weights sum to 1 and never vanish (T12)", "[N5][T12]") 
   CHECK(smoothstep({1, 0, 0, 0}) == Weights{1, 0, 0, 0});
   CHECK(smoothstep({0.25, 0.25, 0.25, 0.25}) == Weights{0.25, 0.25, 0.25, 0.25});
   CHECK(smoothstep({0.9, 0.1, 0, 0})[0] > 0.98);  // biased towards fewer members
+}
+
+TEST_CASE("a cell of a millimetre at UTM coordinates has exact weights; in single precision it has none", "[N5][T9]") {
+  const glm::dvec3 o(500123.25, 4200321.5, 250);
+  const std::vector<glm::dvec3> corners{o, o + glm::dvec3(1e-3, 0, 0), o + glm::dvec3(0, 1e-3, 0),
+                                        o + glm::dvec3(0, 0, 1e-3)};
+  const glm::dvec3 p = o + glm::dvec3(3e-4, 2e-4, 1e-4);
+  const std::vector<double> expected = exactWeights(corners, p);
+  const Barycentric b = barycentric(corners, p);
+  REQUIRE_FALSE(b.degenerate);
+  for (std::size_t i = 0; i < 4; ++i) CHECK(b.free[i] == Approx(expected[i]).margin(1e-14));
+  // As [T] has it: all positions as floats. On the ground the corners fall together.
+  for (const glm::dvec3& corner : corners) CHECK((glm::vec2(corner) == glm::vec2(o)));
+}
+
+TEST_CASE("weights go with their members, whatever the order, and far outside too", "[N5]") {
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  double worst = 0;
+  for (const double away : {0.0, 1.0, 1e3, 1e6})
+    for (int repeat = 0; repeat < 100; ++repeat) {
+      std::vector<glm::dvec3> corners;
+      for (int i = 0; i < 4; ++i) corners.emplace_back(unit(random), unit(random), unit(random));
+      const glm::dvec3 p = corners[0] + away * glm::dvec3(unit(random), unit(random), unit(random));
+      const Barycentric first = barycentric(corners, p);
+      if (first.degenerate) continue;
+      std::array<std::size_t, 4> order{0, 1, 2, 3};
+      double largest = 1;
+      for (const double w : first.free) largest = std::max(largest, std::abs(w));
+      while (std::next_permutation(order.begin(), order.end())) {
+        std::vector<glm::dvec3> other;
+        for (const std::size_t i : order) other.push_back(corners[i]);
+        const Barycentric b = barycentric(other, p);
+        for (std::size_t i = 0; i < 4; ++i) {
+          worst = std::max(worst, std::abs(b.free[i] - first.free[order[i]]) / largest);
+          worst = std::max(worst, std::abs(b.clamped[i] - first.clamped[order[i]]));
+        }
+      }
+    }
+  CHECK(worst <= 1e-11);
 }

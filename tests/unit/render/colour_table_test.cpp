@@ -277,3 +277,49 @@ TEST_CASE("colours and packed entries survive the way through 8 bits") {
     CHECK(packedLevel(entry, 2) == level / 2);
   }
 }
+
+TEST_CASE("a range of one level goes on with slope 1", "[N9][T15]") {
+  for (int seen = 0; seen < 256; seen += 15)
+    for (int meant = 0; meant < 256; meant += 17) {
+      Pair pair{"one level"};
+      pair.modify[std::size_t(seen)] = pair.reference[std::size_t(meant)] = 1000;
+      const LevelTable table = levelTable(pair.reference, pair.modify, kMapStrict, 1);
+      for (int i = 0; i < 256; ++i) REQUIRE(int(table[std::size_t(i)]) == std::clamp(i - seen + meant, 0, 255));
+    }
+}
+
+TEST_CASE("histograms of the same pixels map exactly from any sample, of others only from many", "[N9][T17]") {
+  std::mt19937 random(17);
+  std::normal_distribution<double> scene(110, 45);
+  const auto changed = [](int r) { return std::size_t(40 + r / 2); };  // a darker, flatter exposure, two levels to one
+  const auto levelOf = [&] { return std::clamp(int(std::lround(scene(random))), 0, 255); };
+  std::vector<double> errors;
+  for (const int samples : {10, 1000, 100'000}) {
+    double apart = 0;
+    for (int round = 0; round < 20; ++round) {
+      Pair same{"same"}, other{"other"};
+      std::array<bool, 256> seen{};
+      for (int i = 0; i < samples; ++i) {
+        const int r = levelOf();
+        seen[changed(r)] = true;
+        ++same.reference[std::size_t(r)], ++same.modify[changed(r)];
+        ++other.reference[std::size_t(levelOf())], ++other.modify[changed(r)];
+      }
+      const LevelTable exact = levelTable(same.reference, same.modify, kMapNaive, 1);
+      const LevelTable noisy = levelTable(other.reference, other.modify, kMapNaive, 1);
+      double sum = 0, levels = 0;
+      for (int m = 40; m < 168; ++m) {
+        if (!seen[std::size_t(m)]) continue;
+        const int r = 2 * (m - 40);  // or the one above, that became the same level
+        REQUIRE((exact[std::size_t(m)] == r || exact[std::size_t(m)] == r + 1));
+        sum += std::abs(noisy[std::size_t(m)] - (r + 0.5)), ++levels;
+      }
+      apart += sum / levels / 20;
+    }
+    errors.push_back(apart);
+  }
+  CAPTURE(errors);
+  CHECK(errors[0] > 5);
+  CHECK(errors[1] < errors[0] / 3);
+  CHECK(errors[2] < errors[1] / 2);
+}

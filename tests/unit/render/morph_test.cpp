@@ -10,6 +10,7 @@
 #include "ibr/renderer.h"
 #include "reference/morph.h"
 #include "render/barycentric.h"
+#include "render/vertex.h"
 
 using namespace ibr;
 
@@ -127,4 +128,27 @@ TEST_CASE("summing directions in float keeps them up to 120° of spread (N6)", "
       CHECK(angle(glm::dvec3(sum), exact) <= 4e-7 * magnitude / glm::length(exact));
       if (degrees <= 120 && lambda >= 0 && lambda <= 1) CHECK(glm::length(exact) >= 0.5 - 1e-12);
     }
+}
+
+TEST_CASE("triangles whose rays part by more than 120° are left out, and none that part by less", "[N6][T10]") {
+  for (const double degrees : {0.0, 1e-6, 60.0, 90.0, 119.99, 120.01, 150.0, 179.0, 179.99, 180.0}) {
+    const double half = degrees * kPi / 360;  // a point that two cameras see from either side
+    const glm::dvec3 x(0, 0, -std::cos(half));
+    Scene scene;
+    for (const double side : {-1.0, 1.0}) {
+      const glm::dvec3 place(side * std::sin(half), 0, 0);
+      Camera camera{pinholeFromFov(1920, 1080, kPi / 3), {place, {}}};
+      const double turn = std::atan2(place.x - x.x, place.z - x.z);  // looks at the point
+      camera.pose.rotation = glm::angleAxis(turn, glm::dvec3(0, 1, 0));
+      scene.nodes.push_back({"", camera, "", ""});
+    }
+    Cell cell;
+    cell.members = {0, 1};
+    cell.mesh.match = {{{960, 540}}, {{960, 540}}};
+    cell.mesh.ratio = {{1}, {1}};
+    INFO(degrees);
+    CHECK(angle(scene.nodes[0].camera.pose.rotation * glm::dvec3(0, 0, -1),
+                scene.nodes[1].camera.pose.rotation * glm::dvec3(0, 0, -1)) == Approx(2 * half).margin(1e-9));
+    CHECK(raysAgree(scene, cell, 0) == (degrees < 120));
+  }
 }

@@ -151,3 +151,18 @@ TEST_CASE("a cell of panoramas looks in all directions, a mixed one as its pinho
   CHECK(half > 0.6);
   CHECK(half < 0.9);
 }
+
+TEST_CASE("near a pole angles keep apart where the arc cosine lets them collapse", "[N10][T21]") {
+  const double pixels = 8192 / (2 * kPi);  // of the equator, a radian
+  double worst = 0, worstOfPaper = 0;
+  for (double fromPole = 1e-8; fromPole < 1e-2; fromPole *= 1.07)
+    for (const double pole : {1.0, -1.0}) {
+      const glm::dvec3 exact(std::sin(fromPole) * 0.6, pole * std::cos(fromPole), std::sin(fromPole) * 0.8);
+      const glm::vec3 direction(exact);
+      const double true_ = std::atan2(std::hypot(double(direction.x), double(direction.z)), double(direction.y));
+      worst = std::max(worst, std::abs(double(shader::panoramaCoordinate(direction).y) * kPi - true_) * pixels);
+      worstOfPaper = std::max(worstOfPaper, std::abs(double(std::acos(direction.y)) - true_) * pixels);
+    }
+  CHECK(worst < 1e-3);
+  CHECK(worstOfPaper > 0.2);
+}

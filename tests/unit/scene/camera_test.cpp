@@ -11,7 +11,9 @@
 #include <random>
 #include <tuple>
 
+#include "ibr/capture.h"
 #include "ibr/error.h"
+#include "support/extremes.h"
 
 using namespace ibr;
 
@@ -159,7 +161,7 @@ TEST_CASE("a resized camera sees the same") {
   CHECK_THROWS_AS(resized(Intrinsics{}, 10, 10), Error);
 }
 
-TEST_CASE("no camera function returns NaN, whatever it is given", "[N16]") {
+TEST_CASE("no camera function returns NaN, whatever it is given", "[N16][P4]") {
   std::vector<Intrinsics> cameras{kPanorama, pinholeFromFov(640, 480, 1.0)};
   for (double value : kExtremes)
     for (double Intrinsics::*field : {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::cx, &Intrinsics::cy}) {
@@ -195,5 +197,29 @@ TEST_CASE("no camera function returns NaN, whatever it is given", "[N16]") {
       CHECK_NOTHROW(unproject(cameras[0], {x, y}));
       CHECK_NOTHROW(unproject(cameras[1], {x, y}));
       if (x != 0 || y != 0) CHECK(project(kPanorama, {x, y, 0}).has_value());
+    }
+}
+
+TEST_CASE("a panorama's pixels look along their centres", "[N10][T20]") {
+  const Intrinsics small{CameraModel::equirectangular, 8, 4};
+  for (int x = 0; x < 8; ++x)
+    for (int y = 0; y < 4; ++y) {
+      const glm::dvec3 ray = unproject(small, {x + 0.5, y + 0.5});
+      CHECK(std::atan2(ray.x, -ray.z) == Approx((x + 0.5) / 8 * 2 * kPi - kPi));
+      CHECK(std::asin(ray.y) == Approx(kPi / 2 - (y + 0.5) / 4 * kPi));
+      // Mirrored, the picture looks the other way: no half pixel is left over.
+      const glm::dvec3 mirrored = unproject(small, {7 - x + 0.5, 3 - y + 0.5});
+      CHECK(glm::distance(mirrored, glm::dvec3(-ray.x, -ray.y, ray.z)) < 1e-15);
+    }
+}
+
+TEST_CASE("a photograph's exposure is known and positive, or not known", "[N16]") {
+  for (const double value : test::kExtremes)
+    for (double CaptureFacts::*field : {&CaptureFacts::exposureTime, &CaptureFacts::fNumber, &CaptureFacts::iso}) {
+      CaptureFacts facts{0.01, 8, 100, 0, 0, "", "", ""};
+      facts.*field = value;
+      INFO(value);
+      const auto exposure = relativeExposure(facts);
+      CHECK((!exposure || (*exposure > 0 && std::isfinite(*exposure))));
     }
 }

@@ -144,7 +144,7 @@ TEST_CASE("an empty scene comes back too") {
   compare(loadScene(folder.path()), Scene{});
 }
 
-TEST_CASE("saving what was loaded writes the same bytes, and nothing else is left behind") {
+TEST_CASE("saving what was loaded writes the same bytes, and nothing else is left behind", "[P3]") {
   const test::TemporaryFolder folder;
   saveScene(example(), folder / "a");
   saveScene(example(2), folder / "b");

@@ -43,7 +43,7 @@ std::vector<glm::u16vec4>& planesOf(Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("each fault of a scene is named") {
+TEST_CASE("each fault of a scene is named", "[P2]") {
   REQUIRE(validate(goodScene()).empty());
   const std::vector<std::pair<const char*, std::function<void(Scene&)>>> faults{
       {"nodes[1].name", [](Scene& s) { s.nodes[1].name.clear(); }},

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Pages that name tests against the tests there are.
+
+A row `| T4 | … | tests |` of apps/docs/numerics.md or promises.md names, in backquotes in its last column, every test case
+that has the tag [T4], and no other. With --write the last columns are filled in from the tags.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGES = {
+    "numerics.md": [f"T{i}" for i in range(1, 27)] + [f"N{i}" for i in range(1, 17)],
+    "promises.md": [f"P{i}" for i in range(1, 13)],
+}
+CASE = re.compile(r'TEST_CASE\(\s*"((?:[^"\\]|\\.)*)",\s*"([^"]*)"\s*\)')
+ROW = re.compile(r"^\| ([TNP]\d+) \|(.*)\|([^|]*)\|$")
+
+
+def tests():
+    """By tag, (name, file) of the test cases that have it."""
+    found = {}
+    for file in sorted(ROOT.glob("tests/**/*.cpp")):
+        for name, tags in CASE.findall(file.read_text(encoding="utf-8")):
+            for tag in re.findall(r"\[([TNP]\d+)\]", tags):
+                found.setdefault(tag, []).append((name, str(file.relative_to(ROOT))))
+    return found
+
+
+def column(cases):
+    """As a page names them: a file's together."""
+    files = {}
+    for name, file in cases:
+        files.setdefault(file, []).append(f"`{name}`")
+    return "<br>".join(f"[{pathlib.Path(f).stem}](../../{f}): " + "; ".join(names) for f, names in files.items())
+
+
+def main():
+    found, faults = tests(), []
+    for page, ids in PAGES.items():
+        path = ROOT / "apps/docs" / page
+        seen, lines = [], []
+        for line in path.read_text(encoding="utf-8").splitlines():
+            row = ROW.match(line)
+            if row:
+                ident, cases = row.group(1), found.get(row.group(1), [])
+                seen.append(ident)
+                if "--write" in sys.argv:
+                    line = f"| {ident} |{row.group(2)}| {column(cases)} |"
+                elif not cases:
+                    faults.append(f"{page}: no test case has the tag [{ident}]")
+                elif row.group(3).strip() != column(cases):
+                    faults.append(f"{page}: {ident} names other test cases than those with the tag [{ident}]")
+            lines.append(line)
+        if seen != ids:
+            faults.append(f"{page}: rows {', '.join(seen)}, not {ids[0]} to {ids[-1]}")
+        if "--write" in sys.argv:
+            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for tag in set(found) - {i for ids in PAGES.values() for i in ids}:
+        faults.append(f"[{tag}] of {found[tag][0][1]} stands on no page")
+    for fault in faults:
+        print(fault, "(tests/proofs.py --write fills in the pages)", file=sys.stderr)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// P6: what a picture of a cell differs by when the world's origin is far away, for cells of a millimetre to ten
+// kilometres. With IBR_PRINT_FIGURES the table of apps/docs/numerics.md is printed.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "ibr/metrics.h"
+#include "reference/stage.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// The world `size` times as large about the origin, which then is moved to `offset`.
+Camera moved(Camera camera, double size, glm::dvec3 offset) {
+  camera.pose.position = offset + size * camera.pose.position;
+  return camera;
+}
+
+SyntheticScene moved(SyntheticScene place, double size, glm::dvec3 offset) {
+  for (Node& node : place.scene.nodes) node.camera = moved(node.camera, size, offset);
+  for (Cell& cell : place.scene.cells)
+    for (float& rho : cell.mesh.inverseDistance) rho = float(rho / size);
+  return place;
+}
+
+struct Apart {
+  double px = 0;     // largest way of a vertex in the picture
+  double share = 0;  // of pixels that differ by more than a level
+  double psnr = 0;
+};
+
+// Of the vertices, seen by cameras whose places were rounded to what doubles hold there.
+double largestWay(const Scene& here, const Scene& there, const Camera& view, const Camera& viewThere, double size) {
+  double largest = 0;
+  for (std::size_t p = 0; p < here.cells[0].mesh.pointCount(); ++p) {
+    const auto a = vertexPosition(here, here.cells[0], p), b = vertexPosition(there, there.cells[0], p);
+    if (!a || !b) continue;
+    const auto seen = [](const Camera& camera, glm::dvec3 x, double scale) {
+      return project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (x - camera.pose.position) / scale);
+    };
+    const auto first = seen(view, *a, 1), second = seen(viewThere, *b, size);
+    if (first && second) largest = std::max(largest, glm::distance(*first, *second));
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("the picture is the same at any distance from the origin, of cells of any size", "[N5][P6]") {
+  const SyntheticScene here = makeScene(place(3));
+  const Camera view = cameraAt({0.42, 0.27, 0.13}, 0.04);
+  const Image8 expected = Stage(testDevice(), here).render(view, withTiers());
+  const bool print = std::getenv("IBR_PRINT_FIGURES");
+  if (print) std::printf("| cell | offset | vertex, px | pixels off by more than a level | PSNR, dB |\n");
+  for (const double size : {1e-3, 1e-1, 1.0, 1e2, 1e4})
+    for (const double offset : {0.0, 1e3, 1e5, 1e6, 1e7}) {
+      const glm::dvec3 away = offset * glm::dvec3(1, -0.8, 0.3);
+      const SyntheticScene there = moved(here, size, away);
+      const Camera viewThere = moved(view, size, away);
+      const Image8 picture = Stage(testDevice(), there).render(viewThere, withTiers());
+      const Apart apart{largestWay(here.scene, there.scene, view, viewThere, size),
+                        difference(picture, expected, 1).shareAbove, psnr(picture, expected)};
+      if (print)
+        std::printf("%s\n", fmt::format("| {:g} m | {:g} m | {:.1e} | {:.2e} | {:.1f} |", size, offset, apart.px,
+                                        apart.share, apart.psnr)
+                                .c_str());
+      INFO("cells of " << size << " m, " << offset << " m away");
+      // Doubles hold a place to 2⁻⁵³ of its distance; a cell of a metre's picture moves by that over its size.
+      const double grain = 2.3e-16 * offset / size;
+      CHECK(apart.px < 1e-3 + 4000 * grain);
+      CHECK(apart.share < 2e-3);
+      CHECK(apart.psnr > 50);
+    }
+}
