@@ -28,6 +28,6 @@ struct Command {
 
 extern const Command kBuildCommand, kInfoCommand, kValidateCommand, kRenderCommand, kEvalCommand, kCompareCommand,
     kDeviceCommand, kBenchCommand, kAccuracyCommand, kSynthCommand, kWalkCommand, kSplitCommand, kOptimiseCommand,
-    kSweepCommand, kHtmCommand, kDoctorCommand, kRefineCommand;
+    kSweepCommand, kHtmCommand, kDoctorCommand, kRefineCommand, kTradeoffCommand;
 
 }  // namespace ibr::app

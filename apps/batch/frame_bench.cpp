@@ -36,32 +36,16 @@ std::vector<BenchWay> waysOf(const BenchCase& wanted) {
 }
 
 std::vector<Camera> eyesOf(const Camera& middle, std::size_t views) {
-  if (views == 1) return {middle};
-  const glm::dvec3 half = middle.pose.rotation * glm::dvec3(0.5 * kEyeDistance, 0, 0);
-  std::vector<Camera> eyes(2, middle);
-  eyes[0].pose.position -= half;
-  eyes[1].pose.position += half;
-  return eyes;
+  return views == 1 ? std::vector{middle} : eyesAround(middle, kEyeDistance);
 }
 
-// Plans whose times, weighted, are those of a frame: colours are counted in one frame of a period, and not in others.
-struct Weighted {
-  FramePlan plan;
-  double weight;
-};
-
-std::vector<Weighted> plansOf(const BenchSubject& subject, const SceneBounds& bounds, const RenderSettings& common,
-                              const BenchWay& way, const std::vector<Camera>& eyes) {
+std::vector<WeightedPlan> plansOf(const BenchSubject& subject, const SceneBounds& bounds, const RenderSettings& common,
+                                  const BenchWay& way, const std::vector<Camera>& eyes) {
   FrameInput input{eyes, common};
   input.settings.order = way.order;
   input.settings.colourMapping = way.colour;
   input.settings.blend = way.blend;
-  std::vector<Weighted> plans{{planFrame(subject.scene, bounds, input), 1}};
-  if (way.colour != ColourMapping::ours || common.colourPeriod < 2) return plans;
-  input.dtSeconds = 1 / 60.0;
-  plans.push_back({planFrame(subject.scene, bounds, input, plans[0].plan.next), 1 - 1.0 / common.colourPeriod});
-  plans[0].weight = 1.0 / common.colourPeriod;
-  return plans;
+  return weightedPlans(subject.scene, bounds, input);
 }
 
 std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
@@ -101,6 +85,24 @@ bool unmapped(const BenchWay& way, const BenchWay& of) {
 }
 
 }  // namespace
+
+std::vector<WeightedPlan> weightedPlans(const Scene& scene, const SceneBounds& bounds, FrameInput input) {
+  const RenderSettings& settings = input.settings;
+  std::vector<WeightedPlan> plans{{planFrame(scene, bounds, input), 1}};
+  if (settings.colourMapping != ColourMapping::ours || settings.colourPeriod < 2) return plans;
+  input.dtSeconds = 1 / 60.0;
+  plans.push_back({planFrame(scene, bounds, input, plans[0].plan.next), 1 - 1.0 / settings.colourPeriod});
+  plans[0].weight = 1.0 / settings.colourPeriod;
+  return plans;
+}
+
+std::vector<Camera> eyesAround(const Camera& middle, double distance) {
+  const glm::dvec3 half = middle.pose.rotation * glm::dvec3(0.5 * distance, 0, 0);
+  std::vector<Camera> eyes(2, middle);
+  eyes[0].pose.position -= half;
+  eyes[1].pose.position += half;
+  return eyes;
+}
 
 struct FrameBench::State {
   State(Device& d, const BenchSubject& s, const BenchCase& wanted)
@@ -156,7 +158,7 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
   for (const BenchWay& way : waysOf(wanted)) result.ways.push_back({way, {}, {}, {}, {}, {}, {}});
   const std::size_t count = result.ways.size();
   for (const Camera& view : s.subject.views) {
-    std::vector<std::vector<Weighted>> plans;
+    std::vector<std::vector<WeightedPlan>> plans;
     for (const WayTimes& times : result.ways)
       plans.push_back(plansOf(s.subject, s.bounds, wanted.settings, times.way, eyesOf(view, times.way.views)));
     result.drawn = std::max(result.drawn, plans[0][0].plan.cells.size());
@@ -166,7 +168,7 @@ BenchResult FrameBench::measure(const BenchCase& wanted, const std::function<voi
       std::vector<double> frame(count, 0.0);
       for (std::size_t w = 0; w < count; ++w) {
         std::map<std::string, double> passes;
-        for (const Weighted& weighted : plans[w])
+        for (const WeightedPlan& weighted : plans[w])
           for (const ScopeTime& time : s.times(weighted.plan, result.ways[w].way.hidden))
             (time.depth == 0 ? frame[w] : passes[time.name]) += weighted.weight * time.milliseconds;
         for (const auto& [name, milliseconds] : passes)

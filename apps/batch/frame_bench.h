@@ -51,6 +51,17 @@ struct BenchResult {
   std::vector<WayTimes> ways;
 };
 
+/// Plans whose times, weighted, are those of a frame: colours are counted in one frame of a period, and not in others.
+struct WeightedPlan {
+  FramePlan plan;
+  double weight;
+};
+/// A frame by itself, and where colours are mapped our way one that follows it.
+std::vector<WeightedPlan> weightedPlans(const Scene& scene, const SceneBounds& bounds, FrameInput input);
+
+/// The left and the right eye, so far apart in world units.
+std::vector<Camera> eyesAround(const Camera& middle, double distance);
+
 /// A scene on a device, with everything that any way needs.
 class FrameBench {
  public:

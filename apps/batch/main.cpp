@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kCommands{
     &kBuildCommand,  &kRefineCommand, &kOptimiseCommand, &kSweepCommand,  &kInfoCommand,    &kValidateCommand,
     &kRenderCommand, &kEvalCommand,   &kAccuracyCommand, &kWalkCommand,   &kCompareCommand, &kBenchCommand,
-    &kSynthCommand,  &kSplitCommand,  &kHtmCommand,      &kDeviceCommand, &kDoctorCommand,
+    &kSynthCommand,  &kSplitCommand,  &kHtmCommand,      &kDeviceCommand, &kDoctorCommand,  &kTradeoffCommand,
 };
 
 // Examples come first: most readers want one of them.

@@ -8,8 +8,9 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/command.h"
+#include "batch/command_text.h"
 #include "batch/optimise_options.h"
-#include "batch/sweep_kept.h"
+#include "batch/kept_lines.h"
 #include "batch/sweep_measure.h"
 #include "shared/options.h"
 #include "shared/progress.h"
@@ -28,20 +29,6 @@ struct Options {
   std::string output, command;
   bool list = false;
 };
-
-// Words as they would be typed in a shell.
-std::string commandText(const std::vector<std::string>& words) {
-  std::string text = "ibr sweep";
-  for (const std::string& word : words) {
-    const bool plain = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
-      return c > 0x7f || std::isalnum(c) || std::string_view("_./:=,+-").find(char(c)) != std::string_view::npos;
-    });
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    text += " " + (plain ? word : quoted + "'");
-  }
-  return text;
-}
 
 template <class T>
 std::string joined(const std::vector<T>& values) {
@@ -83,7 +70,7 @@ class Report {
   std::vector<std::string> notes_;
 };
 
-std::optional<SweepRow> keptRow(const SweepKept& kept, std::uint64_t key, const SweepSetting& setting) {
+std::optional<SweepRow> keptRow(const KeptLines& kept, std::uint64_t key, const SweepSetting& setting) {
   const std::optional<Json> json = kept.find(key);
   if (!json) return std::nullopt;
   try {
@@ -101,11 +88,6 @@ std::vector<SweepRow> present(const std::vector<std::optional<SweepRow>>& rows) 
   return there;
 }
 
-bool isInside(const fs::path& folder, const fs::path& of) {
-  const fs::path way = fs::weakly_canonical(folder).lexically_relative(fs::weakly_canonical(of));
-  return !way.empty() && *way.begin() != "..";
-}
-
 ExitCode sweep(const Options& options, const Context& context) {
   const std::vector<SweepSetting> settings = sweepSettings(options.lists, context.options().seed);
   if (options.list) {
@@ -118,7 +100,7 @@ ExitCode sweep(const Options& options, const Context& context) {
           source.string());
   SweepMeasure measure(options.sweep, context);
   makeFolders(options.output);
-  SweepKept kept(fs::path(options.output) / "sweep.kept.jsonl");
+  KeptLines kept(fs::path(options.output) / "sweep.kept.jsonl");
   std::vector<std::optional<SweepRow>> rows(settings.size());
   std::vector<std::size_t> missing;
   for (std::size_t s = 0; s < settings.size(); ++s) {
@@ -186,7 +168,7 @@ const Command kSweepCommand{
       app.add_flag("--list", options->list, "Only say which settings there are");
       declareSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
-      app.callback([options, &app] { options->command = commandText(givenWords(app)); });
+      app.callback([options, &app] { options->command = commandText("ibr sweep", givenWords(app)); });
       return [options](const Context& context) { return sweep(*options, context); };
     }};
 

@@ -44,11 +44,12 @@ std::string text(glm::dvec2 at, const std::string& words, const std::string& sty
                      escapedXml(words));
 }
 
-std::string marker(std::size_t series, glm::dvec2 at, const std::string& title) {
+std::string marker(std::size_t series, glm::dvec2 at, const std::string& title, double size = 1) {
+  const std::string scale = size == 1 ? "" : fmt::format(" scale({:.2f})", size);
   return fmt::format(
-      "<path class=\"s{}\" transform=\"translate({:.1f} {:.1f})\" d=\"{}\" fill=\"{}\" fill-opacity=\".75\" "
+      "<path class=\"s{}\" transform=\"translate({:.1f} {:.1f}){}\" d=\"{}\" fill=\"{}\" fill-opacity=\".75\" "
       "stroke=\"#fff\" stroke-width=\".8\"><title>{}</title></path>\n",
-      series, at.x, at.y, markerOf(series), colourOf(series), escapedXml(title));
+      series, at.x, at.y, scale, markerOf(series), colourOf(series), escapedXml(title));
 }
 
 std::string ring(glm::dvec2 at) {
@@ -74,6 +75,7 @@ class Panel {
         if (!drawn(point)) continue;
         x.push_back(point.x);
         y.push_back(point.y);
+        if (hasInterval(point)) x.insert(x.end(), {point.low, point.high});
       }
     for (const PlotLevel& level : panel.levels) y.push_back(level.y);
     x_ = axisOver(x, panel.logarithmicX);
@@ -83,7 +85,13 @@ class Panel {
   std::string drawing() {
     drawAxes();
     for (const PlotLevel& level : panel_.levels) drawLevel(level);
-    for (std::size_t s = 0; s < panel_.series.size() && panel_.joinFront; ++s) drawFront(s);
+    for (std::size_t s = 0; s < panel_.series.size() && panel_.joinFront; ++s)
+      drawFront(panel_.series[s].points, colourOf(s));
+    if (panel_.joinAll) {
+      std::vector<PlotPoint> all;
+      for (const PlotSeries& series : panel_.series) all.insert(all.end(), series.points.begin(), series.points.end());
+      drawFront(all, "#202830");
+    }
     for (std::size_t s = 0; s < panel_.series.size(); ++s)
       for (const PlotPoint& point : panel_.series[s].points)
         if (drawn(point)) drawPoint(s, point);
@@ -97,6 +105,10 @@ class Panel {
  private:
   bool drawn(const PlotPoint& point) const {
     return std::isfinite(point.x) && std::isfinite(point.y) && (!panel_.logarithmicX || point.x > 0);
+  }
+
+  bool hasInterval(const PlotPoint& point) const {
+    return std::isfinite(point.low) && std::isfinite(point.high) && (!panel_.logarithmicX || point.low > 0);
   }
 
   glm::dvec2 at(double x, double y) const {
@@ -138,32 +150,36 @@ class Panel {
     out_ += text({low.x, low.y + kLabelHeight - 2}, level.name, "font-size=\"10\" fill=\"#606870\"");
   }
 
-  void drawFront(std::size_t s) {
+  void drawFront(const std::vector<PlotPoint>& of, const char* colour) {
     std::vector<glm::dvec2> points;
-    for (const PlotPoint& point : panel_.series[s].points)
-      points.emplace_back(drawn(point) ? point.x : std::nan(""), point.y);
+    for (const PlotPoint& point : of)
+      points.emplace_back(drawn(point) ? point.x : std::nan(""), panel_.lessIsBetter ? -point.y : point.y);
     std::string path;
     for (const std::size_t i : paretoFront(points)) {
-      const glm::dvec2 p = at(points[i].x, points[i].y);
+      const glm::dvec2 p = at(of[i].x, of[i].y);
       path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", p.x, p.y);
     }
     if (path.empty()) return;
     out_ += fmt::format("<path class=\"front\" d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-opacity=\".6\"/>\n", path,
-                        colourOf(s));
+                        colour);
   }
 
   void drawPoint(std::size_t s, const PlotPoint& point) {
     const glm::dvec2 p = at(point.x, point.y);
     const std::string name = panel_.series[s].name;
-    out_ += marker(s, p, fmt::format("{} {}: {:.4g}, {:.4g}", name, point.label, point.x, point.y));
+    if (hasInterval(point))
+      out_ +=
+          fmt::format("<path class=\"interval\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-opacity=\".45\"/>\n",
+                      at(point.low, point.y).x, p.y, at(point.high, point.y).x, colourOf(s));
+    out_ += marker(s, p, fmt::format("{} {}: {:.4g}, {:.4g}", name, point.label, point.x, point.y), point.size);
     if (point.usual) out_ += ring(p);
-    const double reach = point.usual ? kRing : kMarker;
+    const double reach = point.usual ? kRing : kMarker * point.size;
     taken_.push_back({p - reach, p + reach});
   }
 
   // On the first side that is free; a label for which there is no room is left out.
   void drawLabel(std::size_t s, const PlotPoint& point) {
-    if (point.label.empty()) return;
+    if (point.label.empty() || !point.labelled) return;
     const glm::dvec2 p = at(point.x, point.y), size(kLetter * double(lettersOf(point.label)), kLabelHeight);
     const double gap = point.usual ? 11 : kMarker + 2;
     for (const glm::dvec2 low : {glm::dvec2(p.x + gap, p.y - size.y / 2),
@@ -188,7 +204,8 @@ class Panel {
   std::string out_;
 };
 
-std::string legend(const std::vector<PlotPanel>& panels) {
+// `end`: where it ends, px.
+std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words, double& end) {
   std::string out;
   glm::dvec2 at(kLeft, 52);
   const auto entry = [&](const std::string& mark, const std::string& name) {
@@ -198,17 +215,21 @@ std::string legend(const std::vector<PlotPanel>& panels) {
   if (panels.empty()) return out;
   for (std::size_t s = 0; s < panels[0].series.size(); ++s)
     entry(marker(s, at, panels[0].series[s].name), panels[0].series[s].name);
-  entry(ring(at), "default");
-  entry(fmt::format("<path d=\"M{:.1f} {:.1f}h18\" stroke=\"#202830\" stroke-opacity=\".6\"/>\n", at.x - 9, at.y),
-        "joined: none of its method is both faster and better");
+  if (!words.usual.empty()) entry(ring(at), words.usual);
+  if (!words.joined.empty())
+    entry(fmt::format("<path d=\"M{:.1f} {:.1f}h18\" stroke=\"#202830\" stroke-opacity=\".6\"/>\n", at.x - 9, at.y),
+          words.joined);
+  end = at.x;
   return out;
 }
 
 }  // namespace
 
 std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& panels,
-                    const std::vector<std::string>& notes) {
-  const double width = std::max<double>(1, double(panels.size())) * (kLeft + kWidth + kRight);
+                    const std::vector<std::string>& notes, const PlotWords& words) {
+  double width = std::max<double>(1, double(panels.size())) * (kLeft + kWidth + kRight), end = 0;
+  const std::string entries = legend(panels, words, end);
+  width = std::max(width, end);
   std::vector<std::string> lines;
   for (const std::string& note : notes)
     for (const std::string& line : wrapped(note, std::size_t((width - kLeft - kRight) / kNoteLetter)))
@@ -220,7 +241,7 @@ std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& pane
       "fill=\"#ffffff\"/>\n",
       width, below + kLine * double(lines.size()) + 12);
   out += text({kLeft, 28}, title, "font-size=\"16\" font-weight=\"bold\"");
-  out += legend(panels);
+  out += entries;
   for (std::size_t p = 0; p < panels.size(); ++p)
     out += "<g>\n" + Panel(panels[p], kLeft + double(p) * (kLeft + kWidth + kRight)).drawing() + "</g>\n";
   for (std::size_t n = 0; n < lines.size(); ++n) out += text({kLeft, below + kLine * double(n) + 8}, lines[n]);

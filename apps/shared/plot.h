@@ -2,15 +2,19 @@
 // Scatter plots side by side as one drawing (SVG 1.1), for figures that people read.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace ibr::app {
 
 struct PlotPoint {
-  double x = 0, y = 0;  // not finite: not drawn; nor is x <= 0 on a logarithmic axis
-  std::string label;    // written beside it where there is room; always told where one points at it
-  bool usual = false;   // the setting that all others are compared with: ringed
+  double x = 0, y = 0;           // not finite: not drawn; nor is x <= 0 on a logarithmic axis
+  std::string label;             // written beside it where there is room; always told where one points at it
+  bool usual = false;            // the setting that all others are compared with: ringed
+  double low = NAN, high = NAN;  // of x: an interval around it, drawn where both are finite
+  bool labelled = true;          // false: its label is told, but not written
+  double size = 1;               // of its marker, in usual ones
 };
 
 struct PlotSeries {
@@ -27,15 +31,23 @@ struct PlotLevel {
 struct PlotPanel {
   std::string title, xName, yName;
   bool logarithmicX = false;
-  bool joinFront = false;  // of each series the points that no other one beats: less of x, more of y
+  bool joinFront = false;     // of each series the points that no other one beats: less of x, more of y
+  bool joinAll = false;       // the same of all series together
+  bool lessIsBetter = false;  // of y, for what is joined
   std::vector<PlotSeries> series;
   std::vector<PlotLevel> levels;
+};
+
+/// Words of the legend.
+struct PlotWords {
+  std::string usual = "default";
+  std::string joined = "joined: none of its method is both faster and better";
 };
 
 /// Panels in a row under `title`, with a legend of the first panel's series, and lines of text below. A series has the
 /// same colour (safe for colour-blind eyes) and marker in all panels, by its place; there are six of each. Valid XML
 /// whatever the texts are; of any panels, empty ones too.
 std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& panels,
-                    const std::vector<std::string>& notes);
+                    const std::vector<std::string>& notes, const PlotWords& words = {});
 
 }  // namespace ibr::app

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/sweep_kept.h"
+#include "batch/kept_lines.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ std::string nameOf(std::uint64_t key) {
 
 }  // namespace
 
-SweepKept::SweepKept(std::filesystem::path file) : file_(std::move(file)) {
+KeptLines::KeptLines(std::filesystem::path file) : file_(std::move(file)) {
   if (!std::filesystem::exists(file_)) return;
   std::istringstream lines(readTextFile(file_));
   for (std::string line; std::getline(lines, line);) {
@@ -28,12 +28,12 @@ SweepKept::SweepKept(std::filesystem::path file) : file_(std::move(file)) {
   }
 }
 
-std::optional<Json> SweepKept::find(std::uint64_t key) const {
+std::optional<Json> KeptLines::find(std::uint64_t key) const {
   const auto found = byKey_.find(nameOf(key));
   return found == byKey_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void SweepKept::add(std::uint64_t key, const Json& json) {
+void KeptLines::add(std::uint64_t key, const Json& json) {
   Json line{{"key", nameOf(key)}};
   line.update(json);
   byKey_[nameOf(key)] = std::move(line);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of a sweep that were measured before: a file of JSON, a line each, with a key of all that it depends on.
+// What a command measured before: a file of JSON, a line each, with a key of all that it depends on.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace ibr::app {
 
-class SweepKept {
+class KeptLines {
  public:
   /// Reads the file, if there is one; lines that are damaged are dropped. Throws Error{io}.
-  explicit SweepKept(std::filesystem::path file);
+  explicit KeptLines(std::filesystem::path file);
 
   std::optional<nlohmann::ordered_json> find(std::uint64_t key) const;
 

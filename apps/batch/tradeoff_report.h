@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that `ibr tradeoff` found, as tradeoff.json (apps/schemas/tradeoff.schema.json) and as a table.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "batch/tradeoff_gates.h"
+#include "batch/tradeoff_histogram.h"
+#include "batch/tradeoff_result.h"
+#include "batch/tradeoff_twin.h"
+#include "batch/tradeoff_walk.h"
+
+namespace ibr::app {
+
+struct TradeoffReport {
+  std::vector<TradeoffRow> rows;  // the first four are the presets
+  std::vector<TradeoffKnob> knobs;
+  std::vector<TradeoffWalk> walks;                  // of the presets, or none
+  std::vector<ImplementationError> implementation;  // of some views
+  std::vector<MapError> mapErrors;                  // of a photograph of the scene
+  nlohmann::ordered_json about;      // "version", "scene", "device" and all else that is one for all rows
+  std::vector<std::string> missing;  // knobs of NUMERICS §5.4 that were not measured, and why
+
+  std::vector<TradeoffGate> gates() const;
+};
+
+std::string reportJson(const TradeoffReport& report);
+
+/// The table of settings, the front, the walks and the gates, for people.
+std::string reportText(const TradeoffReport& report);
+
+}  // namespace ibr::app

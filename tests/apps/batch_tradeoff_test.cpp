@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ibr tradeoff` as a user calls it.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "run_program.h"
+#include "support/temporary_folder.h"
+#include "tiny_scene.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+// Presets, two more values of blend, and two builds of which one is the same.
+std::vector<std::string> tradeoffOfTiny(const fs::path& output) {
+  return {"tradeoff", tinyScene(),
+          "--truth",  tinySet().truth,
+          "--knobs",  "blend",
+          "tiers",    "--no-grid",
+          "--build",  "again=" + tinyScene().string(),
+          "--repeat", "2",
+          "--walk",   "20",
+          "-o",       output};
+}
+
+const Json& settingOf(const Json& report, const std::string& name) {
+  for (const Json& row : report.at("settings"))
+    if (row.at("setting") == name) return row;
+  FAIL(name);
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "report";
+  const Outcome outcome = runProgram(tradeoffOfTiny(out));
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("preset reference") && Contains("front of time and error") &&
+                              Contains("against the twin") && Contains("presets fall in error"));
+  const std::string text = readTextFile(out / "tradeoff.json");
+  const Json report = Json::parse(text);
+
+  // Against the truth: what eval says.
+  for (const char* preset : {"fast", "balanced"}) {
+    const Outcome eval =
+        runProgram({"eval", tinyScene(), "--truth", tinySet().truth, "--preset", preset, "-q", "--json", "-"});
+    REQUIRE(eval.code == 0);
+    const Json mean = Json::parse(eval.out).at("mean"), &row = settingOf(report, std::string("preset ") + preset);
+    for (const char* figure : {"psnr", "ssim", "flip"}) CHECK(row.at("truth").at(figure) == mean.at(figure));
+    CHECK(row.at("holes").get<double>() == Approx(1 - mean.at("coverage").get<double>()).margin(1e-12));
+  }
+  // Against the reference: it is itself.
+  const Json& reference = settingOf(report, "preset reference");
+  CHECK(reference.at("reference").at("psnr").is_null());
+  CHECK(reference.at("reference").at("flip") == 0);
+  CHECK(reference.at("truth").at("flip") > 0);
+  // Against the twin.
+  REQUIRE(report.at("implementation").size() == 1);
+  CHECK(report["implementation"][0].at("compared") > 0.3);
+  CHECK(report["implementation"][0].at("beyondBound") == 0);
+
+  const Json &usual = settingOf(report, "preset balanced"), &again = settingOf(report, "build again");
+  CHECK(usual.at("views")[0].at("prediction") == again.at("views")[0].at("prediction"));
+  CHECK(usual["views"][0]["prediction"] != settingOf(report, "blend dither").at("views")[0].at("prediction"));
+  CHECK(usual.at("bytes").at("predicted").at("textures") > 0);
+  CHECK(usual["bytes"]["measured"].at("textures") >= usual["bytes"]["predicted"]["textures"]);
+  CHECK(usual["bytes"]["measured"].at("positions") >= usual["bytes"]["predicted"].at("positions"));
+  for (const Json& row : report["settings"]) {
+    REQUIRE(row.at("ms").at("device").size() == 2);
+    for (const Json& round : row["ms"]["device"]) CHECK(round.at(0) > 0);
+  }
+  CHECK(settingOf(report, "tiers 0").at("views")[0].at("draws") <= usual["views"][0]["draws"]);
+  CHECK(report.at("walks").size() == 4);
+
+  const std::string html = readTextFile(out / "report.html");
+  CHECK_THAT(html, Contains("<svg") && Contains("src=\"data:image/jpeg;base64,") && Contains("What each knob costs") &&
+                       !Contains("<script") && !Contains("src=\"http") && !Contains("href="));
+  for (const char* figure : {"pareto.svg", "knobs.svg", "memory.svg", "passes.svg", "histogram.svg"})
+    CHECK_THAT(readTextFile(out / figure), Contains("</svg>"));
+  CHECK_THAT(readTextFile(out / "tradeoff.csv"), Contains("\"preset balanced\",\"blend\",\"blend\","));
+
+  const Outcome more = runProgram(tradeoffOfTiny(out));
+  CHECK_THAT(more.err, Contains("measured before"));
+  CHECK(readTextFile(out / "tradeoff.json") == text);  // raw times and all
+}
+
+TEST_CASE("ibr tradeoff refuses what it cannot measure") {
+  CHECK(runProgram({"tradeoff", tinyScene(), "--knobs", "speed", "-o", "x"}).code == 1);
+  const Outcome inside = runProgram({"tradeoff", tinyScene(), "-o", tinyScene() / "report"});
+  CHECK(inside.code == 3);
+  CHECK_THAT(inside.err, Contains("lies in"));
+  CHECK_THAT(runProgram({"tradeoff", tinyScene(), "--build", "nameless", "-o", "x"}).err, Contains("NAME=SCENE"));
+  const TemporaryFolder folder;
+  writeFile(folder / "sweep.json", std::string_view("{\"settings\":[{}]}"));
+  const Outcome sweep = runProgram({"tradeoff", tinyScene(), "--sweep", folder / "sweep.json", "-o", folder / "x"});
+  CHECK(sweep.code == 3);
+  CHECK_THAT(sweep.err, Contains("no report of ibr sweep"));
+}
