@@ -7,6 +7,7 @@
 #   IBR_XR_RUNTIME=DIR        an OpenXR runtime as tests/xr/runtime.sh makes it; without it one is made in the user's cache,
 #                             and where that cannot be, the tests of headsets are skipped
 #   IBR_REQUIRE_XR=1          then they fail instead
+#   IBR_NO_SANITIZERS=1       does without the second build, with sanitizers, of what reads files
 set -eu
 cd "$(dirname "$0")/.."
 . examples/packages.sh
@@ -22,6 +23,10 @@ export IBR_XR_RUNTIME
 
 cmake --preset ci
 cmake --build --preset ci
+if [ -z "${IBR_NO_SANITIZERS-}" ]; then
+  cmake --preset readers
+  cmake --build --preset readers
+fi
 
 # Tests that want a locale with a decimal comma take it from here; nobody need be root for that.
 LOCPATH=$PWD/build/locale
@@ -30,4 +35,9 @@ if [ ! -e "$LOCPATH/de_DE.UTF-8" ]; then
   localedef -i de_DE -f UTF-8 "$LOCPATH/de_DE.UTF-8" || echo "no locale de_DE.UTF-8" >&2
 fi
 export LOCPATH
+if [ -z "${IBR_NO_SANITIZERS-}" ]; then
+  echo "What reads files, with sanitizers:"
+  IBR_FUZZ_MIB=3000 ctest --preset readers -j2 --quiet --output-log build/readers/tests.log ||
+    { cat build/readers/tests.log; exit 1; }
+fi
 ctest --preset ci -j2 "$@"

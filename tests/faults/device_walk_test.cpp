@@ -74,7 +74,7 @@ std::vector<Look> looks() {
 
 }  // namespace
 
-TEST_CASE("a scene is opened and shown, whichever call fails") {
+TEST_CASE("a scene is opened and shown, whichever call fails", "[P10]") {
   const SmallPlace place;
   Device device = newDevice();
   const FramePlan plan = place.plan({});
@@ -231,7 +231,7 @@ TEST_CASE("a harmonised model is opened, shown and replaced, whichever call fail
             .failures > 20);
 }
 
-TEST_CASE("templates are searched, whichever call fails") {
+TEST_CASE("templates are searched, whichever call fails", "[P10]") {
   const Device device = newDevice();
   const Image8 picture = planted(2, 40, 2, 2.0, 11).pictures[0];
   std::vector<TemplateSample> samples;

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The N-th call that makes or writes a file fails as on a full disk, N = 0, 1, … until none is left, in the commands
+// that write (failing_writes.c). Then the exit code is 2, the message names a file, no draft is left, what is there is
+// whole, and the same command succeeds.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "apps/run_program.h"
+#include "apps/tiny_scene.h"
+#include "base/file.h"
+#include "support/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+/// What failed, empty: nothing.
+std::string failWrite(int n, const fs::path& below, const std::vector<std::string>& command, Outcome& outcome) {
+  const TemporaryFolder notes;
+  RunOptions options;
+  options.environment = {"LD_PRELOAD=" IBR_FAILING_WRITES, fmt::format("IBR_FAIL_WRITE={}", n),
+                         "IBR_FAIL_BELOW=" + below.string(), "IBR_FAIL_TOLD=" + (notes / "told").string(),
+                         "XDG_CACHE_HOME=" + (notes / "cache").string()};
+  outcome = runProgram(command, options);
+  return fs::exists(notes / "told") ? readTextFile(notes / "told") : std::string();
+}
+
+void expectNoDraft(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    CAPTURE(entry.path().string());
+    CHECK(entry.path().extension() != ".tmp");
+  }
+}
+
+/// `command` writes below `out` only. Every `step`-th write fails, each one where the environment has IBR_EVERY_FAULT;
+/// `madeGood`: what is kept for later only may be lost.
+int walk(const char* name, const fs::path& out, const std::vector<std::string>& command, int step) {
+  if (std::getenv("IBR_EVERY_FAULT")) step = 1;
+  int failures = 0, madeGood = 0;
+  for (int n = 0;; n += step) {
+    fs::remove_all(out);
+    Outcome outcome;
+    const std::string failed = failWrite(n, out, command, outcome);
+    INFO(name << ", write " << n << ": " << failed << "\n" << outcome.err);
+    if (failed.empty()) {
+      CHECK(outcome.code == 0);
+      break;
+    }
+    ++failures;
+    if (outcome.code == 0) ++madeGood;
+    CHECK(outcome.code == 2);
+    CHECK_THAT(outcome.err, Catch::Contains(out.string()));
+    expectNoDraft(out);
+    if (failures % 5 == 1) {
+      const Outcome again = runProgram(command);
+      INFO(again.err);
+      CHECK(again.code == 0);
+    }
+  }
+  std::printf("%s: %d writes failed, %d made good\n", name, failures, madeGood);
+  return failures;
+}
+
+}  // namespace
+
+TEST_CASE("whichever write of build fails, it says so, leaves no part of a file, and goes on when run again", "[P2]") {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  CHECK(walk("build", out, {"build", tinySet().photographs, "-o", out}, 5) >= 4);
+}
+
+TEST_CASE("whichever write of optimise fails, it says so and leaves no part of a file", "[P2]") {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  CHECK(walk("optimise", out, {"optimise", tinyScene(), "-o", out, "--method", "cpu"}, 7) >= 3);
+}
+
+TEST_CASE("whichever write of pictures fails, it says so and leaves no part of a file", "[P2]") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  CHECK(walk("render", out, {"render", tinyScene(), "--path", "auto:2", "--size", "32x24", "-o", out}, 1) >= 6);
+  CHECK(walk("eval", out, {"eval", tinyScene(), "--truth", tinySet().truth, "-o", out}, 2) >= 2);
+}
+
+TEST_CASE("whichever write of a drawing, a report or generated data fails, it says so", "[P2]") {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  CHECK(walk("info", out, {"info", tinyScene(), "--svg", out}, 1) >= 4);
+  CHECK(walk("report", out, {"info", tinyScene(), "--json", out}, 1) >= 4);
+}
