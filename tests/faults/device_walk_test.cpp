@@ -182,6 +182,28 @@ TEST_CASE("photographs are streamed, whichever call fails, and arrive in the end
   CHECK(walked.failures > 30);
 }
 
+TEST_CASE("a budget holds in bytes that are allocated, staging apart", "[P10]") {
+  const SmallPlace place;
+  Device device = newDevice();
+  const FramePlan plan = place.plan({});
+  const std::uint64_t all = place.open(device).memory().sum(), staging = 1 << 20;
+  constexpr std::uint64_t kOpening = 32 << 20;  // of the host, for a moment: what uploads go through (gpu/upload.h)
+  const std::uint64_t before = deviceMemory().bytes;
+  for (const std::uint64_t budget : {all, all - 1, all * 9 / 10}) {
+    CAPTURE(budget, all);
+    resetMost();
+    GpuScene scene = place.open(device, {.budgetBytes = budget, .stagingBytes = staging});
+    for (std::uint64_t frame = 1; frame < 8; ++frame) {
+      submitAndWait(device, [&](VkCommandBuffer commands) { scene.stream(commands, plan, frame, frame - 1); });
+      CHECK(scene.memory().sum() <= budget);
+      CHECK(deviceMemory().bytes - before <= budget + (scene.streams() ? staging : 0));
+    }
+    CHECK(scene.memory().sum() <= deviceMemory().bytes - before);
+    CHECK(deviceMemory().most - before <= budget + staging + kOpening);
+  }
+  CHECK(deviceMemory().bytes == before);
+}
+
 TEST_CASE("matches are aligned on a device, whichever call fails, or stay as they were") {
   const auto method = GENERATE(AlignmentMethod::compute, AlignmentMethod::raster);
   const Device device = newDevice();
