@@ -51,10 +51,14 @@ class Directory {
     return below > 0 ? above / below : 0;
   }
 
-  // Where a SHORT stands.
-  std::optional<std::size_t> placeOfShort(std::uint32_t tag) const {
-    const auto entry = find(tag);
-    return entry && fields_.read(*entry + 2, 2) == kShort ? std::optional(*entry + 8) : std::nullopt;
+  // Where what whole() reads stands, and in how many bytes.
+  struct Place {
+    std::size_t at, bytes;
+  };
+  std::optional<Place> placeOfWhole(std::uint32_t tag) const {
+    if (!whole(tag)) return std::nullopt;
+    const std::size_t entry = *find(tag);
+    return Place{entry + 8, fields_.read(entry + 2, 2) == kShort ? std::size_t(2) : std::size_t(4)};
   }
 
   std::string text(std::uint32_t tag) const {
@@ -115,11 +119,11 @@ std::optional<Fields> fieldsOf(std::span<const std::byte> tiff) {
 void setUpright(std::span<std::byte> tiff) {
   const auto fields = fieldsOf(tiff);
   if (!fields) return;
-  const auto at = Directory(*fields, *fields->read(4, 4)).placeOfShort(kOrientation);
-  if (!at || *at + 2 > tiff.size()) return;
-  const bool bigEndian = tiff[0] == std::byte('M');
-  tiff[*at] = std::byte(bigEndian ? 0 : 1);
-  tiff[*at + 1] = std::byte(bigEndian ? 1 : 0);
+  const auto place = Directory(*fields, *fields->read(4, 4)).placeOfWhole(kOrientation);
+  if (!place) return;
+  const std::span<std::byte> value = tiff.subspan(place->at, place->bytes);
+  std::ranges::fill(value, std::byte(0));
+  (tiff[0] == std::byte('M') ? value.back() : value.front()) = std::byte(1);
 }
 
 Exif readExif(std::span<const std::byte> tiff) {

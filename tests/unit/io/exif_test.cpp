@@ -39,6 +39,18 @@ TEST_CASE("the orientation is found in both byte orders") {
   }
 }
 
+TEST_CASE("what is made upright is upright, whichever type its orientation has") {
+  for (const bool bigEndian : {false, true})
+    for (const int type : {3, 4}) {
+      test::Bytes block =
+          test::exifBlock({{0x010f, 2, {}, "Maker "}, {0x0112, type, {6}}}, {{0x9000, 4, {1}}}, bigEndian);
+      CHECK(orientationOf(block) == 6);
+      io::setUpright(std::as_writable_bytes(std::span(block)));
+      CHECK(orientationOf(block) == 1);
+      CHECK(exifOf(block).capture.maker == "Maker");
+    }
+}
+
 TEST_CASE("values that mean nothing mean as stored") {
   for (const int value : {0, 9, 255}) CHECK(orientationOf(test::exifBlock(value, false)) == 1);
   CHECK(orientationOf({}) == 1);
