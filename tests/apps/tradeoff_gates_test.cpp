@@ -40,14 +40,14 @@ const TradeoffGate& gateOf(const std::vector<TradeoffGate>& gates, const std::st
 
 }  // namespace
 
-TEST_CASE("gates of presets hold where each buys something") {
+TEST_CASE("gates of presets hold where each buys something", "[P11]") {
   for (const TradeoffGate& gate : presetGates(presets())) {
     INFO(gate.name << ": " << gate.found);
     CHECK(gate.holds);
   }
 }
 
-TEST_CASE("a preset is beaten only by who is more than 3 % better in both axes") {
+TEST_CASE("a preset is beaten only by who is more than 3 % better in both axes", "[P11]") {
   const auto holds = [](const TradeoffRow& other) {
     std::vector<TradeoffRow> rows = presets();
     rows.push_back(other);
@@ -70,7 +70,7 @@ TEST_CASE("a preset is beaten only by who is more than 3 % better in both axes")
   for (const TradeoffRow& other : {eyes, built, failed}) CHECK((holds(other) == std::pair(true, true)));
 }
 
-TEST_CASE("presets rise in time and fall in error, accurate is nearly reference") {
+TEST_CASE("presets rise in time and fall in error, accurate is nearly reference", "[P11]") {
   std::vector<TradeoffRow> rows = presets();
   std::swap(rows[0], rows[1]);
   auto gates = presetGates(rows);
