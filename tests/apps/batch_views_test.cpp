@@ -95,10 +95,10 @@ TEST_CASE("a preset is all settings, and what is given beside it wins, wherever 
     return nlohmann::json::parse(outcome.out).at("settings");
   };
   const auto fast = settings({"--preset", "fast"});
-  CHECK((fast["cells"] == 4 && fast["renderScale"] == 0.7 && fast["colour"] == "off"));
+  CHECK((fast["cells"] == 2 && fast["backdrops"] == 4 && fast["extrapolation"] == 1.0));
   for (const auto& mixed :
        {settings({"--preset", "fast", "--cells", "7"}), settings({"--cells", "7", "--preset", "fast"})})
-    CHECK((mixed["cells"] == 7 && mixed["renderScale"] == 0.7));
+    CHECK((mixed["cells"] == 7 && mixed["backdrops"] == 4));
 }
 
 TEST_CASE("render takes transforms.json") {
