@@ -11,11 +11,11 @@ namespace {
 const char* descriptionOf(Preset preset) {
   switch (preset) {
     case Preset::fast:
-      return "few cells, a smaller picture";
+      return "few cells, none far away";
     case Preset::balanced:
       return "as it comes";
     case Preset::accurate:
-      return "more cells";
+      return "more cells, holes filled";
     case Preset::reference:
       return "all that there is, at any cost";
   }

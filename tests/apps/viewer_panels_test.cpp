@@ -69,13 +69,15 @@ TEST_CASE("what is typed into a slider keeps within its bounds, and the place st
 
 TEST_CASE("presets are measured where the view stands") {
   if (!canView()) return;
-  const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate"}, [](const std::string& w) {
-    xdotool({"key", "2"});
-    sleepFor(0.5);
-    // Where the buttons of the last preset and of what measures stand, more or less.
-    for (int y = 224; y > 195; y -= 6) xdotool({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
-    sleepFor(5);
-  })["places"][0];
+  const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate", "--texture-scale", "0.25"},
+                                  [](const std::string& w) {
+                                    xdotool({"key", "2"});
+                                    sleepFor(0.5);
+                                    // Where the buttons of the last preset and of what measures stand, more or less.
+                                    for (int y = 224; y > 195; y -= 6)
+                                      xdotool({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
+                                    sleepFor(5);
+                                  })["places"][0];
   const json& effects = place["effects"];
   INFO(effects.dump());
   for (const char* name : {"fast", "balanced", "accurate", "reference", "as set"}) {
@@ -83,8 +85,10 @@ TEST_CASE("presets are measured where the view stands") {
     CHECK(effects[name]["ms"] > 0);
   }
   CHECK(effects["reference"]["psnr"].is_null());
-  CHECK(effects["fast"]["psnr"] > 10);
-  CHECK(effects["fast"]["psnr"] < effects["accurate"]["psnr"]);
+  // Textures at a quarter of their detail; so small a scene all presets show whole.
+  CHECK(effects["as set"]["psnr"] > 10);
+  CHECK(effects["as set"]["psnr"] < 60);
+  CHECK(effects["accurate"]["psnr"].is_null());
 }
 
 TEST_CASE("cells are muted and shown alone by keys in the list of them") {
