@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "base/check.h"
+#include "batch/encoded_as.h"
 #include "batch/bench_photographs.h"
 #include "gpu/scope.h"
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"
-#include "image/ktx2.h"
 #include "shared/progress.h"
 #include "shared/scene_renderer.h"
 #include "shared/statistics.h"
@@ -32,15 +32,6 @@ constexpr Way kWays[]{
     {TextureFormat::bc1, TextureFilter::bilinear, "bilinear"},
     {TextureFormat::rgba8, TextureFilter::bicubic, "bicubic"},
 };
-
-TextureSource encodedAs(TextureFormat format) {
-  return [format](const Scene& scene, std::size_t node, int firstLevel) {
-    const Node& photograph = scene.nodes[node];
-    const bool alpha = format == TextureFormat::bc1 && !photograph.maskFile.empty();  // as a build stores it
-    return encodeTexture(decodeTexture(readKtx2(scene.folder / photograph.textureFile, firstLevel)),
-                         alpha ? TextureFormat::bc7 : format);
-  };
-}
 
 struct Measured {
   std::unique_ptr<GpuScene> gpuScene;

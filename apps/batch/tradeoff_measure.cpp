@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "batch/sha256.h"
 #include "batch/tradeoff_measure.h"
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include "base/check.h"
 #include "base/hash.h"
 #include "base/random.h"
-#include "base/sha256.h"
 #include "shared/pictures.h"
 
 namespace ibr::app {

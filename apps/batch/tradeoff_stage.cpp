@@ -6,20 +6,11 @@
 #include <tuple>
 
 #include "base/check.h"
-#include "image/ktx2.h"
+#include "batch/encoded_as.h"
 #include "shared/scene_renderer.h"
 
 namespace ibr::app {
 namespace {
-
-TextureSource encodedAs(TextureFormat format) {
-  return [format](const Scene& scene, std::size_t node, int firstLevel) {
-    const Node& photograph = scene.nodes[node];
-    const bool alpha = format == TextureFormat::bc1 && !photograph.maskFile.empty();  // as a build stores it
-    return encodeTexture(decodeTexture(readKtx2(scene.folder / photograph.textureFile, firstLevel)),
-                         alpha ? TextureFormat::bc7 : format);
-  };
-}
 
 GpuSceneOptions gpuOptionsOf(const TradeoffWay& way, const Context& context) {
   GpuSceneOptions options = withLog({}, context);

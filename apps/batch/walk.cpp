@@ -66,7 +66,12 @@ struct WorstStep {
 class Walk {
  public:
   Walk(const Options& options, const Scene& scene, const std::vector<Frame>& frames, const Context& context)
-      : options_(options), frames_(frames), photographs_(scene), settings_(options.settings) {
+      : options_(options),
+        scene_(scene),
+        bounds_(sceneBounds(scene)),
+        frames_(frames),
+        photographs_(scene),
+        settings_(options.settings) {
     std::vector<View> views;
     for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
     RendererOptions wanted = optionsFor(settings_, {});
@@ -114,21 +119,39 @@ class Walk {
     return i % apart == apart / 2;
   }
 
-  // The walk itself goes on as if nobody had stood still.
+  // How long what changes by itself goes on, seconds: mixtures and fades, an eye that adapts, colour tables.
+  double restlessSeconds() const {
+    double seconds = settings_.switchSeconds;
+    const bool adapts =
+        settings_.exposure == Exposure::adapted &&
+        std::ranges::any_of(scene_.nodes, [](const Node& node) { return node.gain != glm::dvec3(1.0); });
+    if (adapts) seconds = std::max(seconds, 8 * settings_.exposureSeconds);
+    if (settings_.colourMapping != ColourMapping::off)
+      seconds = std::max(seconds, settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds);
+    return seconds;
+  }
+
+  // The walk itself goes on as if nobody had stood still. Colour tables live on the device, so there they take frames;
+  // without them time passes in the plans alone.
   int flickerAt(std::size_t i) {
+    constexpr double kLongestStep = 0.1;  // FrameInput::dtSeconds
     PlanState state = state_;
     const auto hold = [&](double seconds) { return renderer_->render(eyesOf(i), settings_, state, seconds)[0].image; };
-    constexpr double kLongestStep = 0.1;  // FrameInput::dtSeconds
-    const double restless = std::max({settings_.switchSeconds, 8 * settings_.exposureSeconds,
-                                      settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds});
-    Image8 still;
-    for (double passed = 0; passed <= restless + kLongestStep; passed += kLongestStep) still = hold(kLongestStep);
+    for (double passed = 0; passed <= restlessSeconds(); passed += kLongestStep) {
+      if (settings_.colourMapping != ColourMapping::off)
+        hold(kLongestStep);
+      else
+        state = planFrame(scene_, bounds_, {eyesOf(i), settings_, kLongestStep}, state).next;
+    }
+    const Image8 still = hold(kLongestStep);
     int flicker = 0;
     for (int k = 0; k < kHeldFrames; ++k) flicker = std::max(flicker, difference(still, hold(1.0 / 30), 0).largest);
     return flicker;
   }
 
   const Options& options_;
+  const Scene& scene_;
+  SceneBounds bounds_;
   const std::vector<Frame>& frames_;
   UnionOfViews photographs_;
   RenderSettings settings_;

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # The faults that a renderer like this one is known to get, planted one by one into a copy of the sources (NUMERICS §9).
 # `name`: of the fault. `edits`: file, text, what stands in its place; the text must be there just once.

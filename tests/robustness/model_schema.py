@@ -25,4 +25,4 @@ BREAKS = [
     lambda e: e["cameras"][0]["camera"].update(fx=0),
     lambda e: e["cameras"][0]["camera"].pop("cy"),
 ]
-schema_check.run("IBR_harmonised_texture", BREAKS)
+schema_check.run(lambda document: document["extensions"]["IBR_harmonised_texture"], BREAKS)

@@ -34,4 +34,4 @@ BAD_QUALITY = {"coverage": (-0.01, 1.01), "ecc": (-1.01, 1.01), "residualPx": (-
 for figure, values in BAD_QUALITY.items():
     for value in (*values, "0.5", None):
         BREAKS.append(lambda e, f=figure, v=value: e["cells"][1]["quality"].update({f: v}))
-schema_check.run("IBR_image_graph", BREAKS)
+schema_check.run(lambda document: document["extensions"]["IBR_image_graph"], BREAKS)

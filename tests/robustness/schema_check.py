@@ -11,20 +11,20 @@ except ImportError:
     sys.exit(77)
 
 
-def run(extension_name, breaks):
-    """Arguments of the program: SCHEMA DOCUMENT.gltf. Each of `breaks` changes the extension's content so that it breaks
-    one rule; a schema that lets it pass says too little."""
+def run(part_of, breaks):
+    """Arguments of the program: SCHEMA DOCUMENT. `part_of` gives what the schema is of, from the document. Each of
+    `breaks` changes it so that it breaks one rule; a schema that lets it pass says too little."""
     with open(sys.argv[1], encoding="utf-8") as file:
         schema = json.load(file)
     with open(sys.argv[2], encoding="utf-8") as file:
-        extension = json.load(file)["extensions"][extension_name]
+        content = part_of(json.load(file))
     Draft202012Validator.check_schema(schema)
     validator = Draft202012Validator(schema)
-    faults = [f"/{'/'.join(map(str, e.absolute_path))}: {e.message}" for e in validator.iter_errors(extension)]
+    faults = [f"/{'/'.join(map(str, e.absolute_path))}: {e.message[:200]}" for e in validator.iter_errors(content)]
     for fault in faults:
         print("refused:", fault)
     for number, change in enumerate(breaks):
-        wrong = copy.deepcopy(extension)
+        wrong = copy.deepcopy(content)
         change(wrong)
         if validator.is_valid(wrong):
             faults.append(number)

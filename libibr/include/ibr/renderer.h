@@ -165,7 +165,7 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Settings by name, from the fastest to the most accurate. `balanced` is the default with colour mapping.
+/// Settings by name, from the fastest to the most accurate. `balanced` is the default.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
 RenderSettings preset(Preset preset);
 
