@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -167,6 +168,8 @@ std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions&
 
 void checkOptions(const BuildOptions& options) {
   check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.memory >= 0 && std::isfinite(options.memory), ErrorCode::invalidInput,
+        "memory of {} bytes is negative or not finite", options.memory);
   check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
   const int spacing = options.backdropSpacing;
   check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,

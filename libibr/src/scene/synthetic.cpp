@@ -195,6 +195,27 @@ MorphMesh makeMesh(const SyntheticScene& scene, const std::vector<std::uint32_t>
   return mesh;
 }
 
+constexpr double kFarthest = 1e12;  // as validate() has it for scenes
+
+bool within(glm::dvec3 v) {
+  return std::abs(v.x) <= kFarthest && std::abs(v.y) <= kFarthest && std::abs(v.z) <= kFarthest;
+}
+
+void checkPlane(const TexturedPlane& plane, std::size_t index) {
+  const auto demand = [&](bool fulfilled, const char* what) {
+    check(fulfilled, ErrorCode::invalidInput, "synthetic scene: plane {}: {}", index, what);
+  };
+  constexpr double kRounding = 1e-6;
+  const double largest = std::max(plane.extentU, plane.extentV);
+  demand(within(plane.origin), "origin is not finite, or beyond 1e12");
+  demand(std::abs(glm::length(plane.u) - 1) < kRounding && std::abs(glm::length(plane.v) - 1) < kRounding &&
+             std::abs(glm::dot(plane.u, plane.v)) < kRounding,
+         "u and v are not unit vectors that are perpendicular");
+  demand(plane.extentU > 0 && plane.extentV > 0 && largest <= kFarthest, "width or height is not within 0 to 1e12");
+  demand(plane.wavelength >= 1e-9 * largest && plane.wavelength <= kFarthest,
+         "wavelength is below 1e-9 of the larger side, or beyond 1e12");
+}
+
 }  // namespace
 
 std::optional<double> distanceAlong(const SyntheticScene& scene, glm::dvec3 from, glm::dvec3 direction) {
@@ -211,6 +232,7 @@ SyntheticScene makeScene(const SyntheticOptions& options) {
         "synthetic scene: grid step {} or {} samples per axis below 1", options.gridStep, options.samplesPerAxis);
   check(options.surfaceStep >= 0 && std::isfinite(options.surfaceStep), ErrorCode::invalidInput,
         "synthetic scene: surface step {} is negative or not finite", options.surfaceStep);
+  for (std::size_t i = 0; i < options.planes.size(); ++i) checkPlane(options.planes[i], i);
   SyntheticScene result;
   result.planes = options.planes;
   result.scene.acquisition = "synthetic";

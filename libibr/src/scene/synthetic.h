@@ -44,7 +44,7 @@ struct SyntheticScene {
 /// triangle crosses planes or covers something nearer (looked at pixel by pixel). With surfaceStep they stand on the
 /// planes, and quads stay that all members see (looked at 5 × 5 points): around panoramas in a room the mesh closes. ρ
 /// is the inverse of the mean distance. Throws Error{invalidInput} for a cell without 2 to 4 members, a grid step below
-/// 1, or more than 10 million quads on a plane.
+/// 1, more than 10 million quads on a plane, and a plane whose numbers are none (the message names it).
 SyntheticScene makeScene(const SyntheticOptions& options);
 
 /// The six walls of a box, seen from inside; seeds count from `seed`.

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <span>
@@ -20,6 +21,7 @@
 #include "io/image_file.h"
 #include "scene/synthetic.h"
 #include "support/error_of.h"
+#include "support/extremes.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"
 
@@ -737,4 +739,30 @@ TEST_CASE("a build stores photographs without what their lens took from the corn
   CHECK_THAT(exposures.vignetting, Contains("vignetting: 4 of 4 photographs of one lens: corners had 4"));
   const Scene scene = loadScene(options.output);
   CHECK(scene.nodes[0].gain.g / scene.nodes[1].gain.g == Approx(0.7).epsilon(0.01));
+}
+
+TEST_CASE("numbers of a build are refused by name, or make a finite scene", "[N16]") {
+  const Set set;
+  const auto attempt = [&](double BuildOptions::* field, const char* name) {
+    int refused = 0, made = 0;
+    for (const double value : kExtremes) {
+      INFO(name << " = " << value);
+      BuildOptions options = set.options(fmt::format("{}{}", name, refused + made));
+      options.backdrops = false;
+      options.*field = value;
+      try {
+        build(options);
+        CHECK(validate(loadScene(options.output)).empty());
+        ++made;
+      } catch (const Error& e) {
+        CHECK(e.code() == ErrorCode::invalidInput);
+        CHECK_THAT(e.what(), Contains(name));
+        CHECK(!fs::exists(options.output));
+        ++refused;
+      }
+    }
+    return std::pair(refused, made);
+  };
+  CHECK(attempt(&BuildOptions::thetaDegrees, "theta") == std::pair(6, 4));
+  CHECK(attempt(&BuildOptions::memory, "memory") == std::pair(5, 5));
 }

@@ -5,6 +5,7 @@
 
 #include "small_body.h"
 #include "support/error_of.h"
+#include "support/extremes.h"
 
 namespace ibr {
 
@@ -99,6 +100,59 @@ TEST_CASE("Harmonising ends at any step when it is told to") {
     CHECK(test::errorOf([&] { harmonise(bumpy.model.surface.mesh, photographs, options, stop); }).code() ==
           ErrorCode::cancelled);
   }
+}
+
+TEST_CASE("numbers of a harmonised model are refused by name, or its model is whole", "[N16]") {
+  const auto small = body(4);
+  const auto photographs = test::photographsOf(small);
+  struct Field {
+    const char* name;
+    double HtmOptions::* value;
+  };
+  const Field fields[] = {{"inconsistentSize", &HtmOptions::inconsistentSize},
+                          {"inconsistentDifference", &HtmOptions::inconsistentDifference},
+                          {"inconsistentShare", &HtmOptions::inconsistentShare},
+                          {"adjustSmoothness", &HtmOptions::adjustSmoothness},
+                          {"shapeSmoothness", &HtmOptions::shapeSmoothness},
+                          {"radius", &HtmOptions::radius},
+                          {"laterRadius", &HtmOptions::laterRadius},
+                          {"leastTexture", &HtmOptions::leastTexture},
+                          {"smoothness", &HtmOptions::smoothness},
+                          {"complementPx", &HtmOptions::complementPx},
+                          {"outlierPx", &HtmOptions::outlierPx},
+                          {"alpha", &HtmOptions::alpha},
+                          {"gamma1", &HtmOptions::gamma1},
+                          {"meanDifference", &HtmOptions::meanDifference},
+                          {"faceDifference", &HtmOptions::faceDifference},
+                          {"leastFacePx", &HtmOptions::leastFacePx},
+                          {"rejectDifference", &HtmOptions::rejectDifference},
+                          {"rejectCorrelation", &HtmOptions::rejectCorrelation},
+                          {"softPx", &HtmOptions::softPx}};
+  int refused = 0, made = 0;
+  for (const Field& field : fields)
+    for (const double value : test::kExtremes) {
+      HtmOptions options = plainOptions();
+      options.rounds = 2;
+      options.adjustRounds = 1;
+      options.faces = 100;
+      options.mostFaces = 300;
+      options.inconsistentShare = 0.1;
+      options.*field.value = value;
+      INFO(field.name << " = " << value);
+      try {
+        const HtmResult result = harmonise(small.model.surface.mesh, photographs, options);
+        for (const Fault& fault : validate(result.model)) FAIL_CHECK(fault.field << ": " << fault.message);
+        for (const glm::vec2& complement : result.model.complements)
+          REQUIRE((std::isfinite(complement.x) && std::isfinite(complement.y)));
+        ++made;
+      } catch (const Error& e) {
+        CHECK(e.code() == ErrorCode::invalidInput);
+        CHECK_THAT(e.what(), Catch::Contains(field.name));
+        ++refused;
+      }
+    }
+  CHECK(refused > 90);
+  CHECK(made > 50);
 }
 
 }  // namespace ibr

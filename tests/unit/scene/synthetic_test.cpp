@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "ibr/error.h"
+#include "support/extremes.h"
 
 using namespace ibr;
 
@@ -237,4 +238,44 @@ TEST_CASE("options that make no scene are refused") {
   CHECK_THROWS_AS(makeScene(options), Error);
   options.cells = {{0, 7}};
   CHECK_THROWS_AS(makeScene(options), Error);
+}
+
+TEST_CASE("a generated scene of any number is refused, or its pictures and meshes are finite", "[N16]") {
+  int refused = 0, made = 0;
+  const auto attempt = [&](const SyntheticOptions& options) {
+    try {
+      const SyntheticScene result = makeScene(options);
+      const glm::dvec3 colour = textureColour(result.planes[1], {0.3, 0.4});
+      REQUIRE((colour.x >= 0 && colour.y >= 0 && colour.z >= 0));
+      const MorphMesh& mesh = result.scene.cells[0].mesh;
+      for (const auto& ratios : mesh.ratio)
+        for (const float a : ratios) REQUIRE(std::isfinite(a));
+      for (const float rho : mesh.inverseDistance) REQUIRE((std::isfinite(rho) && rho >= 0));
+      ++made;
+    } catch (const Error& e) {
+      CHECK(e.code() == ErrorCode::invalidInput);
+      ++refused;
+    }
+  };
+  for (const double value : test::kExtremes) {
+    INFO(value);
+    const auto changed = [&](auto&& change) {
+      SyntheticOptions options = twoPlanes();
+      change(options.planes[1]);
+      attempt(options);
+    };
+    for (int c = 0; c < 3; ++c) {
+      changed([&](TexturedPlane& plane) { plane.origin[c] = value; });
+      changed([&](TexturedPlane& plane) { plane.u[c] = value; });
+      changed([&](TexturedPlane& plane) { plane.v[c] = value; });
+    }
+    for (double TexturedPlane::* field :
+         {&TexturedPlane::extentU, &TexturedPlane::extentV, &TexturedPlane::wavelength})
+      changed([&](TexturedPlane& plane) { plane.*field = value; });
+    SyntheticOptions options = twoPlanes();
+    options.surfaceStep = value;
+    attempt(options);
+  }
+  CHECK(refused > 60);
+  CHECK(made > 20);
 }
