@@ -17,6 +17,19 @@ VkExtent2D extentOf(const FramePlan& plan) {
   return {std::uint32_t(k.width), std::uint32_t(k.height)};
 }
 
+// Values that are not finite though BufferTargets does not say so: depth and uncertainty may be infinite, nothing NaN.
+std::size_t undocumented(const FrameBuffers& buffers) {
+  std::size_t count = 0;
+  for (int y = 0; y < buffers.surface.height; ++y)
+    for (int x = 0; x < buffers.surface.width; ++x) {
+      const auto surface = buffers.surface.pixel(x, y), confidence = buffers.confidence.pixel(x, y);
+      for (const float infinite : {surface[0], confidence[1]}) count += !(infinite >= 0);
+      for (const float value : buffers.weights.pixel(x, y)) count += !std::isfinite(value);
+      for (const float value : {surface[1], surface[2], surface[3], confidence[0]}) count += !std::isfinite(value);
+    }
+  return count;
+}
+
 // One renderer for many frames: its pipelines are what takes time.
 class Recorder {
  public:
@@ -25,8 +38,10 @@ class Recorder {
 
   FrameBuffers buffers(const FramePlan& plan) const {
     OffscreenBuffers offscreen(testDevice(), extentOf(plan));
-    return offscreen.render(
+    FrameBuffers read = offscreen.render(
         [&](VkCommandBuffer commands) { renderer_.recordBuffers(commands, plan, 0, offscreen.targets()); });
+    CHECK(undocumented(read) == 0);
+    return read;
   }
   Image8 picture(const FramePlan& plan) const {
     Offscreen offscreen(testDevice(), extentOf(plan));
@@ -94,6 +109,28 @@ TEST_CASE("buffers are the twin's") {
     CHECK(ranks >= 0b11);
     for (const std::size_t count : wrong) CHECK(double(count) <= 1e-3 * double(compared));
   }
+}
+
+TEST_CASE("nothing that is not finite reaches a target, wherever one stands and however it is drawn", "[P4]") {
+  const Stage stage(testDevice(), richPlace());
+  const Recorder recorder(stage);
+  std::vector<Camera> views = {cameraAt({0.6, 0.4, 0.2}, 0.1), cameraAt({1e3, 1e3, 1e3}), cameraAt({0, 0, 1e9}),
+                               cameraAt({0.6, 0.4, -7.999999}), cameraAt({0.6, 0.4, -9}, std::numbers::pi),
+                               cameraAt({0.6, 0.4, 0}, 0, std::numbers::pi / 2)};
+  for (const double field : {1e-3, 3.1}) views.push_back(cameraAt({0.5, 0.4, 0.1}, 0, 0, 320, 240, field));
+  for (const Node& node : stage.scene().nodes) views.push_back(node.camera);
+  std::size_t drawn = 0;
+  for (const BlendMode blend : {BlendMode::blend, BlendMode::dither, BlendMode::mixed})
+    for (const Morph morph : {Morph::ours, Morph::paper})
+      for (const Camera& view : views) {
+        RenderSettings settings = withTiers();
+        settings.blend = blend;
+        settings.morph = morph;
+        settings.extrapolationLimit = 1e6;
+        const FrameBuffers buffers = recorder.buffers(stage.plan(view, settings));
+        for (int x = 0; x < buffers.surface.width; ++x) drawn += buffers.surface.pixel(x, 120)[1] >= 0;
+      }
+  CHECK(drawn > views.size() * 320);  // a sixth of what there is
 }
 
 TEST_CASE("at a photograph's pose: its mesh's depth, its weight alone, no spread") {
