@@ -154,8 +154,8 @@ std::vector<std::string> Device::disabledFeatures(const std::string& list) {
   std::istringstream words(fromEnvironment ? environment : list);
   for (std::string name; std::getline(words, name, ',');) {
     check(std::find(known.begin(), known.end(), name) != known.end(), ErrorCode::invalidInput,
-          "{}: '{}' is no optional feature; there are {}",
-          fromEnvironment ? "IBR_DISABLE_FEATURES" : "disabledFeatures", name, fmt::join(known, ", "));
+          "{}'{}' is no optional feature to disable; there are {}", fromEnvironment ? "IBR_DISABLE_FEATURES: " : "",
+          name, fmt::join(known, ", "));
     names.push_back(name);
   }
   return names;
