@@ -202,9 +202,16 @@ void walk(int side, TextureFormat format, std::uint64_t budget, int frames, int 
   CHECK(walker.most <= budget);
   CHECK(walker.most > budget * 3 / 4);  // it makes use of it
   CHECK(walker.uploaded > budget / 2);
-  const bool decoded = format != TextureFormat::rgba8 && !testDevice().samplesBlocks();
-  CHECK(messages.warnings.size() == (decoded ? 1 : 0));
-  if (decoded) CHECK_THAT(messages.warnings[0], Catch::Contains("decoded to RGBA8"));
+  CAPTURE(messages.warnings);
+  if (format != TextureFormat::rgba8 && !testDevice().samplesBlocks()) {
+    // Eight times as many bytes: both are said, once, and what the budget holds is shown all the same.
+    REQUIRE(!messages.warnings.empty());
+    CHECK_THAT(messages.warnings[0], Catch::Contains("decoded to RGBA8"));
+    if (messages.warnings.size() > 1) CHECK_THAT(messages.warnings[1], Catch::Contains("stand-ins"));
+    CHECK(messages.warnings.size() <= 2);
+  } else {
+    CHECK(messages.warnings.empty());
+  }
   CHECK(messages.errors.empty());
 }
 
