@@ -11,6 +11,7 @@ namespace ibr::app {
 
 inline constexpr double kDominance = 0.03;      // a preset is beaten by more than this share in both axes
 inline constexpr double kAccurateShare = 0.99;  // of the PSNR of `reference` that `accurate` has at least
+inline constexpr double kFastShare = 1.25;      // of the error of `balanced` that `fast` has at most
 
 struct TradeoffGate {
   std::string name;
@@ -19,9 +20,10 @@ struct TradeoffGate {
   bool counted;       // it depends on counts and pictures alone: the same on a machine that is busy
 };
 
-/// No preset is beaten in time and error by a setting of the sweep; `accurate` is nearly `reference`; presets rise in
-/// time and fall in error; and the same with counts in the place of times. Precondition: the first four rows are the
-/// presets. Rows that failed, of two views, or of another build take no part.
+/// No preset is beaten in time and error by a setting of the sweep; `accurate` is nearly `reference`, `fast` not
+/// much worse than `balanced`; presets rise in time, unless they draw the same, and fall in error; and the same with
+/// counts in the place of times. Precondition: the first four rows are the presets. Rows that failed, of two views, or of
+/// another build take no part.
 std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows);
 
 /// Whether `other` costs no more in draws, triangles, pixels that are drawn and bytes, each by itself, and in one of

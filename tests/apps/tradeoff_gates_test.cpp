@@ -84,6 +84,24 @@ TEST_CASE("presets rise in time and fall in error, accurate is nearly reference"
   CHECK_FALSE(gateOf(gates, "presets rise in time").counted);
 }
 
+TEST_CASE("fast shows no more than a quarter worse than balanced; presets that draw the same may take any time",
+          "[P11]") {
+  const auto fast = [](double flip) {
+    std::vector<TradeoffRow> rows = presets();
+    rows[0] = rowOf("fast", 10, flip, 4);
+    return gateOf(presetGates(rows), "fast has at most 1.25 times the error of balanced").holds;
+  };
+  CHECK(fast(0.0999));
+  CHECK_FALSE(fast(0.1001));
+  const auto rise = [](std::uint64_t draws) {
+    std::vector<TradeoffRow> rows = presets();
+    rows[2] = rowOf("accurate", 15, 0.07, draws);
+    return gateOf(presetGates(rows), "presets rise in time").holds;
+  };
+  CHECK(rise(8));  // as many as balanced
+  CHECK_FALSE(rise(9));
+}
+
 TEST_CASE("the front of time and error") {
   std::vector<TradeoffRow> rows = presets();
   rows.push_back(rowOf("between", 15, 0.09));
