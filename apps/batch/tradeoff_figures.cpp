@@ -19,7 +19,8 @@ bool drawn(const TradeoffRow& row) {
 }
 
 std::string formatOf(const TradeoffRow& row) {
-  return row.setting.way.texture ? textureFormatName(*row.setting.way.texture) : "textures as stored";
+  return row.setting.way.texture ? fmt::format("textures {}", textureFormatName(*row.setting.way.texture))
+                                 : "textures as stored";
 }
 
 const char* errorName(const TradeoffReport& report) {
@@ -32,13 +33,33 @@ std::string subtitle(const TradeoffReport& report) {
                      report.about.value("command", ""));
 }
 
+// Of a marker: its area grows with the memory.
+double sizeOf(double bytes, double most) {
+  return 0.5 + std::sqrt(bytes / most);
+}
+
+// What the smallest and the largest marker mean.
+PlotWords wordsOf(const TradeoffReport& report, const std::string& joined) {
+  double least = INFINITY, most = 0;
+  for (const TradeoffRow& row : report.rows)
+    if (drawn(row)) {
+      least = std::min(least, double(row.bytes()));
+      most = std::max(most, double(row.bytes()));
+    }
+  PlotWords words{"preset", joined, {}, ""};
+  for (const double bytes : {least, most})
+    if (most > 0) words.sizes.emplace_back(sizeOf(bytes, most), fmt::format("{:.1f} MiB", bytes / 1048576));
+  return words;
+}
+
 // A point a setting; series by the format of its textures. Presets and the front have their names.
 template <class X, class Y>
 PlotPanel panelOf(const TradeoffReport& report, X x, Y y, bool quartiles = false) {
   PlotPanel panel;
   const std::vector<std::size_t> front = timeFront(report.rows);
   double most = 0;
-  for (const TradeoffRow& row : report.rows) most = std::max(most, double(row.bytes()));
+  for (const TradeoffRow& row : report.rows)
+    if (drawn(row)) most = std::max(most, double(row.bytes()));
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
     const TradeoffRow& row = report.rows[i];
     if (!drawn(row) || row.setting.way.views != 1) continue;
@@ -54,10 +75,22 @@ PlotPanel panelOf(const TradeoffReport& report, X x, Y y, bool quartiles = false
       point.low = row.quantileMs(0.25);
       point.high = row.quantileMs(0.75);
     }
-    point.size = 0.5 + std::sqrt(double(row.bytes()) / most);  // area by memory
+    point.size = sizeOf(double(row.bytes()), most);
     series->points.push_back(point);
   }
+  panel.width = 640;
   return panel;
+}
+
+// Whether values reach so far that equal steps should be equal shares.
+bool spanAFactor(const PlotPanel& panel, double factor) {
+  double least = INFINITY, most = 0;
+  for (const PlotSeries& series : panel.series)
+    for (const PlotPoint& point : series.points) {
+      least = std::min(least, point.y);
+      most = std::max(most, point.y);
+    }
+  return least > 0 && most >= factor * least;
 }
 
 TradeoffFigure pareto(const TradeoffReport& report) {
@@ -67,10 +100,13 @@ TradeoffFigure pareto(const TradeoffReport& report) {
   panel.xName = "median time of a frame, ms";
   panel.yName = errorName(report);
   panel.logarithmicX = panel.joinAll = panel.lessIsBetter = true;
+  panel.logarithmicY = spanAFactor(panel, 2);
+  PlotWords words = wordsOf(report, "joined: none is both faster and nearer");
+  words.interval = "middle half of the rounds";
   return {"pareto.svg",
           "Each mark is a setting: its frame time with the middle half of the rounds, and its error; larger marks take "
           "more memory. Rings: presets.",
-          plotSvg("What time buys", {panel}, {subtitle(report)}, {"preset", "joined: none is both faster and nearer"})};
+          plotSvg("What time buys", {panel}, {subtitle(report)}, words)};
 }
 
 TradeoffFigure memory(const TradeoffReport& report) {
@@ -82,9 +118,9 @@ TradeoffFigure memory(const TradeoffReport& report) {
   panel.xName = "memory of the device, MiB";
   panel.yName = truth ? "PSNR against the truth, dB" : "PSNR against the reference preset, dB";
   panel.logarithmicX = panel.joinAll = true;
-  return {
-      "memory.svg", "Positions, indices, textures and working pictures together.",
-      plotSvg("What memory buys", {panel}, {subtitle(report)}, {"preset", "joined: none is both smaller and nearer"})};
+  return {"memory.svg", "Positions, indices, textures and working pictures together.",
+          plotSvg("What memory buys", {panel}, {subtitle(report)},
+                  wordsOf(report, "joined: none is both smaller and nearer"))};
 }
 
 TradeoffFigure tornado(const TradeoffReport& report) {
@@ -167,7 +203,7 @@ TradeoffFigure histogram(const TradeoffReport& report) {
   return {
       "histogram.svg",
       "A photograph whose colours were changed by a known curve: how far the table that colour mapping makes is off.",
-      plotSvg("Histograms", {panel}, {}, {"", ""})};
+      plotSvg("Histograms", {panel}, {}, {"", "", {}, ""})};
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/gtc/constants.hpp>
 #include <glm/vec2.hpp>
 
 #include "shared/plot_axis.h"
@@ -17,7 +18,7 @@ namespace ibr::app {
 namespace {
 
 // All lengths in px of the drawing.
-constexpr double kWidth = 380, kHeight = 330;  // of a panel's field
+constexpr double kHeight = 330;  // of a panel's field
 constexpr double kLeft = 88, kRight = 24, kTop = 92, kBottom = 50;
 constexpr double kLine = 18, kLetter = 5.6, kNoteLetter = 7, kLabelHeight = 11, kMarker = 5, kRing = 9;
 
@@ -68,7 +69,7 @@ struct Box {
 
 class Panel {
  public:
-  Panel(const PlotPanel& panel, double left) : panel_(panel), field_{{left, kTop}, {left + kWidth, kTop + kHeight}} {
+  Panel(const PlotPanel& panel, glm::dvec2 at) : panel_(panel), field_{at, at + glm::dvec2(panel.width, kHeight)} {
     std::vector<double> x, y;
     for (const PlotSeries& series : panel.series)
       for (const PlotPoint& point : series.points) {
@@ -79,7 +80,7 @@ class Panel {
       }
     for (const PlotLevel& level : panel.levels) y.push_back(level.y);
     x_ = axisOver(x, panel.logarithmicX);
-    y_ = axisOver(y, false);
+    y_ = axisOver(y, panel.logarithmicY);
   }
 
   std::string drawing() {
@@ -104,7 +105,8 @@ class Panel {
 
  private:
   bool drawn(const PlotPoint& point) const {
-    return std::isfinite(point.x) && std::isfinite(point.y) && (!panel_.logarithmicX || point.x > 0);
+    return std::isfinite(point.x) && std::isfinite(point.y) && (!panel_.logarithmicX || point.x > 0) &&
+           (!panel_.logarithmicY || point.y > 0);
   }
 
   bool hasInterval(const PlotPoint& point) const {
@@ -131,7 +133,7 @@ class Panel {
     }
     out_ += fmt::format("<path d=\"{}\" stroke=\"#e2e6ea\"/>\n", grid);
     out_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#8a949e\"/>\n",
-                        low.x, low.y, kWidth, kHeight);
+                        low.x, low.y, panel_.width, kHeight);
     out_ += text({(low.x + high.x) / 2, high.y + 36}, panel_.xName, "text-anchor=\"middle\"");
     const glm::dvec2 side(low.x - 68, (low.y + high.y) / 2);
     out_ += text(side, panel_.yName,
@@ -139,7 +141,7 @@ class Panel {
   }
 
   void drawLevel(const PlotLevel& level) {
-    if (!std::isfinite(level.y)) return;
+    if (!std::isfinite(level.y) || (panel_.logarithmicY && level.y <= 0)) return;
     const glm::dvec2 left = at(x_.low, level.y);
     out_ +=
         fmt::format("<path class=\"level\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"#606870\" stroke-dasharray=\"5 4\"/>\n",
@@ -168,33 +170,50 @@ class Panel {
     const glm::dvec2 p = at(point.x, point.y);
     const std::string name = panel_.series[s].name;
     if (hasInterval(point))
-      out_ +=
-          fmt::format("<path class=\"interval\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-opacity=\".45\"/>\n",
-                      at(point.low, point.y).x, p.y, at(point.high, point.y).x, colourOf(s));
+      out_ += fmt::format("<path class=\"interval\" d=\"M{:.1f} {:.1f}H{:.1f}\" stroke=\"{}\" stroke-width=\"1.6\"/>\n",
+                          at(point.low, point.y).x, p.y, at(point.high, point.y).x, colourOf(s));
     out_ += marker(s, p, fmt::format("{} {}: {:.4g}, {:.4g}", name, point.label, point.x, point.y), point.size);
     if (point.usual) out_ += ring(p);
     const double reach = point.usual ? kRing : kMarker * point.size;
     taken_.push_back({p - reach, p + reach});
   }
 
-  // On the first side that is free; a label for which there is no room is left out.
+  // Whether there is room; then it is taken.
+  bool take(const Box& box) {
+    if (box.low.x < field_.low.x || box.low.y < field_.low.y || box.high.x > field_.high.x ||
+        box.high.y > field_.high.y || std::ranges::any_of(taken_, [&](const Box& other) { return box.meets(other); }))
+      return false;
+    taken_.push_back(box);
+    return true;
+  }
+
+  // On the first side that is free. A label for which there is no room is left out, but that of a usual point stands
+  // further off, at the end of a line.
   void drawLabel(std::size_t s, const PlotPoint& point) {
     if (point.label.empty() || !point.labelled) return;
-    const glm::dvec2 p = at(point.x, point.y), size(kLetter * double(lettersOf(point.label)), kLabelHeight);
+    const double letters = double(lettersOf(point.label)) + (point.usual ? 1 : 0);
+    const glm::dvec2 p = at(point.x, point.y), size((point.usual ? 1.1 : 1) * kLetter * letters, kLabelHeight);
+    const auto write = [&](glm::dvec2 low) {
+      out_ += text({low.x, low.y + size.y - 2}, point.label,
+                   fmt::format("class=\"label\" font-size=\"{}\" fill=\"{}\"", point.usual ? 11 : 10, colourOf(s)));
+    };
     const double gap = point.usual ? 11 : kMarker + 2;
     for (const glm::dvec2 low : {glm::dvec2(p.x + gap, p.y - size.y / 2),
                                  {p.x - gap - size.x, p.y - size.y / 2},
                                  {p.x - size.x / 2, p.y - gap - size.y},
-                                 {p.x - size.x / 2, p.y + gap}}) {
-      const Box box{low, low + size};
-      if (low.x < field_.low.x || low.y < field_.low.y || box.high.x > field_.high.x || box.high.y > field_.high.y ||
-          std::ranges::any_of(taken_, [&](const Box& other) { return box.meets(other); }))
-        continue;
-      taken_.push_back(box);
-      out_ += text({low.x, low.y + size.y - 2}, point.label,
-                   fmt::format("class=\"label\" font-size=\"10\" fill=\"{}\"", colourOf(s)));
-      return;
-    }
+                                 {p.x - size.x / 2, p.y + gap}})
+      if (take({low, low + size})) return write(low);
+    for (double distance = 24; point.usual && distance < 160; distance += 8)
+      for (int direction = 0; direction < 16; ++direction) {
+        const double angle = direction * glm::two_pi<double>() / 16;
+        const glm::dvec2 towards(std::cos(angle), std::sin(angle));
+        const glm::dvec2 middle = p + towards * (distance + 0.5 * size.x * std::abs(towards.x));
+        if (!take({middle - 0.5 * size, middle + 0.5 * size})) continue;
+        const glm::dvec2 from = p + towards * kRing, to = p + towards * (distance - kLabelHeight / 2);
+        out_ += fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"#606870\" stroke-width=\".8\"/>\n",
+                            from.x, from.y, to.x, to.y);
+        return write(middle - 0.5 * size);
+      }
   }
 
   const PlotPanel& panel_;
@@ -204,22 +223,30 @@ class Panel {
   std::string out_;
 };
 
-// `end`: where it ends, px.
-std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words, double& end) {
+// In rows no longer than `width`; `rows`: how many they are.
+std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words, double width, int& rows) {
   std::string out;
   glm::dvec2 at(kLeft, 52);
+  rows = 1;
+  // `mark`: what stands at the origin.
   const auto entry = [&](const std::string& mark, const std::string& name) {
-    out += mark + text(at + glm::dvec2(14, 4), name);
-    at.x += 40 + 7 * double(lettersOf(name));
+    const double length = 26 + 6.6 * double(lettersOf(name));
+    if (at.x > kLeft && at.x + length > width) {
+      at = {kLeft, at.y + kLine};
+      ++rows;
+    }
+    out += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n{}{}</g>\n", at.x, at.y, mark, text({14, 4}, name));
+    at.x += length;
   };
   if (panels.empty()) return out;
   for (std::size_t s = 0; s < panels[0].series.size(); ++s)
-    entry(marker(s, at, panels[0].series[s].name), panels[0].series[s].name);
-  if (!words.usual.empty()) entry(ring(at), words.usual);
-  if (!words.joined.empty())
-    entry(fmt::format("<path d=\"M{:.1f} {:.1f}h18\" stroke=\"#202830\" stroke-opacity=\".6\"/>\n", at.x - 9, at.y),
-          words.joined);
-  end = at.x;
+    entry(marker(s, {0, 0}, panels[0].series[s].name), panels[0].series[s].name);
+  for (const auto& [size, name] : words.sizes)
+    entry(fmt::format("<circle r=\"{:.1f}\" fill=\"none\" stroke=\"#606870\"/>\n", kMarker * size), name);
+  if (!words.interval.empty())
+    entry("<path d=\"M-9 0h18\" stroke=\"#606870\" stroke-width=\"1.6\"/>\n", words.interval);
+  if (!words.usual.empty()) entry(ring({0, 0}), words.usual);
+  if (!words.joined.empty()) entry("<path d=\"M-9 4L9-4\" stroke=\"#202830\" stroke-opacity=\".6\"/>\n", words.joined);
   return out;
 }
 
@@ -227,14 +254,16 @@ std::string legend(const std::vector<PlotPanel>& panels, const PlotWords& words,
 
 std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& panels,
                     const std::vector<std::string>& notes, const PlotWords& words) {
-  double width = std::max<double>(1, double(panels.size())) * (kLeft + kWidth + kRight), end = 0;
-  const std::string entries = legend(panels, words, end);
-  width = std::max(width, end);
+  double width = panels.empty() ? kLeft + kRight : 0;
+  for (const PlotPanel& panel : panels) width += kLeft + panel.width + kRight;
+  int rows = 1;
+  const std::string entries = legend(panels, words, width, rows);
+  const double top = kTop + kLine * (rows - 1);
   std::vector<std::string> lines;
   for (const std::string& note : notes)
     for (const std::string& line : wrapped(note, std::size_t((width - kLeft - kRight) / kNoteLetter)))
       lines.push_back(line);
-  const double below = kTop + kHeight + kBottom;
+  const double below = top + kHeight + kBottom;
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} {1:.0f}\" "
       "font-family=\"sans-serif\" font-size=\"12\" fill=\"#202830\">\n<rect width=\"100%\" height=\"100%\" "
@@ -242,8 +271,11 @@ std::string plotSvg(const std::string& title, const std::vector<PlotPanel>& pane
       width, below + kLine * double(lines.size()) + 12);
   out += text({kLeft, 28}, title, "font-size=\"16\" font-weight=\"bold\"");
   out += entries;
-  for (std::size_t p = 0; p < panels.size(); ++p)
-    out += "<g>\n" + Panel(panels[p], kLeft + double(p) * (kLeft + kWidth + kRight)).drawing() + "</g>\n";
+  double left = kLeft;
+  for (const PlotPanel& panel : panels) {
+    out += "<g>\n" + Panel(panel, {left, top}).drawing() + "</g>\n";
+    left += panel.width + kRight + kLeft;
+  }
   for (std::size_t n = 0; n < lines.size(); ++n) out += text({kLeft, below + kLine * double(n) + 8}, lines[n]);
   return out + "</svg>\n";
 }

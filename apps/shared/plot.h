@@ -4,13 +4,14 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ibr::app {
 
 struct PlotPoint {
-  double x = 0, y = 0;           // not finite: not drawn; nor is x <= 0 on a logarithmic axis
-  std::string label;             // written beside it where there is room; always told where one points at it
+  double x = 0, y = 0;           // not finite: not drawn; nor is <= 0 on a logarithmic axis
+  std::string label;             // written beside it where there is room, the usual ones' further off too
   bool usual = false;            // the setting that all others are compared with: ringed
   double low = NAN, high = NAN;  // of x: an interval around it, drawn where both are finite
   bool labelled = true;          // false: its label is told, but not written
@@ -30,18 +31,21 @@ struct PlotLevel {
 
 struct PlotPanel {
   std::string title, xName, yName;
-  bool logarithmicX = false;
+  bool logarithmicX = false, logarithmicY = false;
   bool joinFront = false;     // of each series the points that no other one beats: less of x, more of y
   bool joinAll = false;       // the same of all series together
   bool lessIsBetter = false;  // of y, for what is joined
   std::vector<PlotSeries> series;
   std::vector<PlotLevel> levels;
+  double width = 380;  // of its field, px
 };
 
 /// Words of the legend.
 struct PlotWords {
   std::string usual = "default";
   std::string joined = "joined: none of its method is both faster and better";
+  std::vector<std::pair<double, std::string>> sizes;  // of markers, and what they mean
+  std::string interval;                               // what a bar through a marker means; empty: not told
 };
 
 /// Panels in a row under `title`, with a legend of the first panel's series, and lines of text below. A series has the

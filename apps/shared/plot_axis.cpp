@@ -12,16 +12,19 @@ namespace {
 constexpr double kMargin = 0.08;  // of the values' range, on each side
 constexpr int kMostTicks = 7;
 
-// 1, 2 and 5 times powers of ten; powers alone where those are too many, and of them every so many.
+// 1, 2 and 5 times powers of ten; all digits where those are few, powers alone where they are too many, and of them
+// every so many.
 std::vector<double> logTicks(double low, double high) {
-  std::vector<double> fine, coarse;
+  std::vector<double> all, fine, coarse;
   for (int n = int(std::floor(std::log10(low))); n <= int(std::ceil(std::log10(high))); ++n)
-    for (const int digit : {1, 2, 5}) {
+    for (int digit = 1; digit < 10; ++digit) {
       const double tick = digit * std::pow(10.0, n);
       if (tick < low || tick > high) continue;
-      fine.push_back(tick);
+      all.push_back(tick);
+      if (digit == 1 || digit == 2 || digit == 5) fine.push_back(tick);
       if (digit == 1) coarse.push_back(tick);
     }
+  if (fine.size() < 4 && int(all.size()) <= kMostTicks) return all;
   if (int(fine.size()) <= kMostTicks) return fine;
   const std::size_t each = (coarse.size() + kMostTicks - 1) / kMostTicks;
   std::vector<double> some;

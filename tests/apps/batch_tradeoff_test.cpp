@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr tradeoff` as a user calls it.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/file.h"
 #include "run_program.h"
@@ -91,6 +95,71 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
   const Outcome more = runProgram(tradeoffOfTiny(out));
   CHECK_THAT(more.err, Contains("measured before"));
   CHECK(readTextFile(out / "tradeoff.json") == text);  // raw times and all
+}
+
+TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same command goes on") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "report", kept = out / "tradeoff.kept.jsonl";
+  std::vector<std::string> line = tradeoffOfTiny(out);
+  *std::ranges::find(line, "2") = "40";  // rounds: there is time to interrupt
+  const auto linesKept = [&] {
+    const std::string text = fs::exists(kept) ? readTextFile(kept) : "";
+    return std::ranges::count(text, '\n');
+  };
+  Outcome stopped;
+  // On a busy machine the signal may come after the end; then once more.
+  for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
+    fs::remove_all(out);
+    stopped = runProgram(line, {.interruptWhen = [&](const std::string&) { return linesKept() >= 12; }});
+  }
+  INFO(stopped.err);
+  REQUIRE(stopped.code == 130);
+  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK_FALSE(fs::exists(out / "tradeoff.json"));
+  const std::string before = readTextFile(kept);
+  const auto found = std::ranges::count(before, '\n');
+  const Outcome resumed = runProgram(line);
+  INFO(resumed.err);
+  REQUIRE(resumed.code == 0);
+  CHECK_THAT(resumed.err, Contains(std::to_string(found) + " parts of"));
+  const std::string after = readTextFile(kept);
+  std::istringstream lines(before);
+  for (std::string each; std::getline(lines, each);) CHECK((after.find(each + '\n') != std::string::npos));
+  CHECK(settingOf(Json::parse(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
+}
+
+TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr sweep measured") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const Outcome swept =
+      runProgram({"sweep", tinyScene(), "--truth", tinySet().truth, "-o", folder / "swept", "--method", "cpu",
+                  "--instances", "16", "--radius", "1", "5", "--decay", "0.5", "--threshold", "0.005", "-q"});
+  INFO(swept.err);
+  REQUIRE(swept.code == 0);
+  const Json sweep = Json::parse(readTextFile(folder / "swept" / "sweep.json"));
+  const Outcome outcome =
+      runProgram({"tradeoff", tinyScene(), "--truth", tinySet().truth, "--knobs", "blend", "--no-grid", "--repeat", "1",
+                  "--walk", "0", "--sweep", folder / "swept" / "sweep.json", "-o", folder / "out", "-q"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const std::string svg = readTextFile(folder / "out" / "optimiser.svg");
+  std::size_t drawn = 0;
+  for (const Json& row : sweep.at("settings")) {
+    const std::string method = row.at("method"), name = row.at("setting");
+    if (method == "none") {
+      CHECK_THAT(svg, Contains(">" + name + "<"));
+      continue;
+    }
+    ++drawn;
+    // As they are told where one points at a mark.
+    for (const Json& y : {row.at("scores").at("psnrCovered"), row.at("ecc")})
+      CHECK_THAT(svg, Contains(fmt::format("<title>{}: {:.4g}, {:.4g}</title>", name, row.at("seconds").get<double>(),
+                                           y.get<double>())));
+  }
+  CHECK(drawn == sweep.at("settings").size() - 1);
+  CHECK(drawn >= 2);
+  CHECK_THAT(readTextFile(folder / "out" / "report.html"), Contains("PSNR of held-out views, covered, dB"));
 }
 
 TEST_CASE("ibr tradeoff refuses what it cannot measure") {

@@ -111,6 +111,33 @@ TEST_CASE("a plot of nothing, and of texts that are no XML") {
   CHECK_THAT(svg, !Contains("<i>") && !Contains("<a"));
 }
 
+TEST_CASE("a logarithmic axis of values: equal factors are equal heights, and what it cannot show is left out") {
+  PlotPanel panel = panelOf({{1, 0.1, "low"}, {2, 0.2, "middle"}, {4, 0.4, "high"}, {8, 0, "nothing"}});
+  const auto heights = [&] {
+    std::vector<double> all;
+    const std::string svg = plotSvg("", {panel}, {});
+    const std::size_t field = svg.find("<rect x=");  // after the legend
+    for (std::size_t at = svg.find("translate(", field); at != std::string::npos; at = svg.find("translate(", at + 1))
+      all.push_back(std::stod(svg.substr(svg.find(' ', at))));
+    return all;
+  };
+  REQUIRE(heights().size() == 4);
+  panel.logarithmicY = true;
+  const std::vector<double> y = heights();
+  REQUIRE(y.size() == 3);
+  CHECK(y[0] - y[1] == Approx(y[1] - y[2]).margin(0.15));
+  CHECK(axisOver({0.08, 0.3}, true).labels == std::vector<std::string>{"0.08", "0.09", "0.1", "0.2", "0.3"});
+}
+
+TEST_CASE("usual points have their labels however crowded it is, and the legend says what marks mean") {
+  std::vector<PlotPoint> points;
+  for (int i = 0; i < 200; ++i) points.push_back({1 + 1e-3 * (i % 20), 20 + 1e-3 * (i / 20), "", false});
+  for (const char* name : {"fast", "balanced", "accurate", "reference"}) points.push_back({1.01, 20.005, name, true});
+  const std::string svg = plotSvg("", {panelOf(points)}, {}, {"preset", "", {{0.6, "2 MiB"}, {1.5, "9 MiB"}}, "half"});
+  for (const char* name : {">fast<", ">balanced<", ">accurate<", ">reference<", ">2 MiB<", ">9 MiB<", ">half<"})
+    CHECK(count(svg, name) == 1);
+}
+
 TEST_CASE("labels never lie on each other") {
   std::vector<PlotPoint> points;
   for (int i = 0; i < 40; ++i) points.push_back({1 + 1e-4 * i, 20 + 1e-6 * i, "crowded", false});
