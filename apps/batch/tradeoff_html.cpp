@@ -85,6 +85,17 @@ std::string walksTable(const TradeoffReport& report) {
   return tableHtml(rows);
 }
 
+// Empty where no setting has two eyes.
+std::string eyesTable(const TradeoffReport& report) {
+  std::vector<std::vector<std::string>> rows{
+      {"setting", "seen by both %", "by the same cell %", "difference, levels", "95 % differ by less than"}};
+  for (const TradeoffRow& row : report.rows)
+    if (const auto eyes = row.eyes())
+      rows.push_back({row.setting.name(), numberText(100 * eyes->seenByBoth, 1), numberText(100 * eyes->sameCell, 2),
+                      numberText(eyes->difference, 3), numberText(eyes->difference95, 2)});
+  return rows.size() == 1 ? "" : tableHtml(rows);
+}
+
 std::string twinTable(const TradeoffReport& report) {
   std::vector<std::vector<std::string>> rows{
       {"view", "pixels compared %", "mean, levels", "largest, levels", "beyond the bound of texture filters %"}};
@@ -144,6 +155,8 @@ std::string tradeoffHtml(const TradeoffReport& report, const std::vector<Tradeof
   if (!report.walks.empty()) out += "<h2>A walk in small steps</h2>\n" + walksTable(report);
   if (!report.implementation.empty())
     out += "<h2>The device against its double-precision twin</h2>\n" + twinTable(report);
+  if (const std::string eyes = eyesTable(report); !eyes.empty())
+    out += "<h2>What two eyes see at the same depth</h2>\n" + eyes;
   if (!worst.empty()) out += "<h2>The view that each preset shows worst</h2>\n" + worstHtml(worst, scratch);
   out += "<h2>All settings</h2>\n" + settingsTable(report);
   if (!report.missing.empty()) {

@@ -97,6 +97,7 @@ void TradeoffMeasure::look(TradeoffRow& row) {
     figures.triangles = counters.triangles;
     figures.cells = plan.cells.size();
     figures.backdrops = plan.backdrops.size();
+    if (way.views == 2) figures.eyes = stage_.eyes(way, view.camera);
     row.views.push_back(std::move(figures));
     row.pipelines = counters.pipelines;
     row.workingBytes = counters.workingBytes;

@@ -31,6 +31,28 @@ constexpr Count kCounts[] = {{"passes", &TradeoffView::passes},         {"draws"
                              {"dispatches", &TradeoffView::dispatches}, {"triangles", &TradeoffView::triangles},
                              {"cells", &TradeoffView::cells},           {"backdrops", &TradeoffView::backdrops}};
 
+struct EyeFigure {
+  const char* name;
+  double EyeAgreement::*value;
+};
+constexpr EyeFigure kEyeFigures[] = {{"seenByBoth", &EyeAgreement::seenByBoth},
+                                     {"sameCell", &EyeAgreement::sameCell},
+                                     {"difference", &EyeAgreement::difference},
+                                     {"difference95", &EyeAgreement::difference95}};
+
+Json eyesJson(const EyeAgreement& eyes) {
+  Json json = Json::object();
+  for (const EyeFigure& figure : kEyeFigures) json[figure.name] = eyes.*figure.value;
+  return json;
+}
+
+EyeAgreement eyesOf(const Json& json) {
+  EyeAgreement eyes;
+  for (const EyeFigure& figure : kEyeFigures)
+    if (const Json& value = json.at(figure.name); value.is_number()) eyes.*figure.value = value;
+  return eyes;
+}
+
 Json likenessJson(const Likeness& likeness) {
   Json json = Json::object();
   for (const Figure& figure : kFigures) json[figure.name] = likeness.*figure.value;
@@ -117,6 +139,19 @@ double TradeoffRow::holes() const {
   return all.empty() ? std::nan("") : mean(all);
 }
 
+std::optional<EyeAgreement> TradeoffRow::eyes() const {
+  std::optional<EyeAgreement> result;
+  for (const EyeFigure& figure : kEyeFigures) {
+    std::vector<double> values;
+    for (const TradeoffView& view : views)
+      if (view.eyes && std::isfinite((*view.eyes).*figure.value)) values.push_back((*view.eyes).*figure.value);
+    if (values.empty()) continue;
+    if (!result) result.emplace();
+    (*result).*figure.value = mean(values);
+  }
+  return result;
+}
+
 std::uint64_t TradeoffRow::draws() const {
   return sumOfViews(*this, &TradeoffView::draws);
 }
@@ -149,6 +184,7 @@ Json pictureJson(const TradeoffRow& row) {
               {"holes", view.holes},
               {"prediction", view.prediction}};
     for (const Count& count : kCounts) json[count.name] = view.*count.value;
+    if (view.eyes) json["eyes"] = eyesJson(*view.eyes);
     views.push_back(std::move(json));
   }
   return {{"views", views},
@@ -163,6 +199,7 @@ void readPicture(const Json& json, TradeoffRow& row) {
     TradeoffView view{each.at("name"), likenessOf(each.at("truth")), likenessOf(each.at("reference")), each.at("holes"),
                       each.at("prediction")};
     for (const Count& count : kCounts) view.*count.value = each.at(count.name);
+    if (each.contains("eyes")) view.eyes = eyesOf(each["eyes"]);
     read.views.push_back(std::move(view));
   }
   read.measured = bytesOf(json.at("bytes").at("measured"));
@@ -186,6 +223,7 @@ Json rowJson(const TradeoffRow& row) {
   json["truth"] = likenessJson(row.truth());
   json["reference"] = likenessJson(row.reference());
   json["holes"] = row.holes();
+  if (const auto eyes = row.eyes()) json["eyes"] = eyesJson(*eyes);
   json.update(pictureJson(row));
   return json;
 }

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "batch/eye_agreement.h"
 #include "batch/tradeoff_settings.h"
 #include "ibr/image.h"
 
@@ -34,6 +36,7 @@ struct TradeoffView {
   double holes = 0;        // share of the pixels
   std::string prediction;  // SHA-256 of width × height × RGBA bytes
   std::uint64_t passes = 0, draws = 0, dispatches = 0, triangles = 0, cells = 0, backdrops = 0;
+  std::optional<EyeAgreement> eyes;  // where there are two
 };
 
 struct TradeoffBytes {
@@ -53,6 +56,8 @@ struct TradeoffRow {
   Likeness truth() const;
   Likeness reference() const;
   double holes() const;
+  /// Mean of the views that have two eyes, figure by figure.
+  std::optional<EyeAgreement> eyes() const;
   std::uint64_t bytes() const { return measured.sum() + workingBytes; }
   std::uint64_t draws() const;      // of all views
   std::uint64_t triangles() const;  // likewise

@@ -128,6 +128,19 @@ TradeoffTimes TradeoffStage::time(const TradeoffWay& way, const Camera& view) {
   return times;
 }
 
+EyeAgreement TradeoffStage::eyes(const TradeoffWay& way, const Camera& view) const {
+  const FrameInput input = inputOf(way, view);
+  std::vector<View> views;
+  for (const Camera& eye : input.views) views.push_back({.name = "eye", .camera = eye});
+  RendererOptions options = optionsFor(way.settings, {});
+  options.views = std::uint32_t(way.views);
+  options.buffers = &scene(way);
+  SceneRenderer renderer(scene(way), views, gpuOptionsOf(way, context_), options, context_);
+  PlanState state;
+  const std::vector<SceneRenderer::Picture> pictures = renderer.render(input.views, input.settings, state);
+  return eyeAgreement(pictures[0], input.views[0], pictures[1], input.views[1]);
+}
+
 Renderer::Counters TradeoffStage::count(const TradeoffWay& way, const FramePlan& plan) {
   return rendererOf(way).count(plan);
 }

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "batch/eye_agreement.h"
 #include "batch/frame_bench.h"
 #include "batch/tradeoff_settings.h"
 #include "gpu/scope.h"
@@ -44,6 +45,9 @@ class TradeoffStage {
 
   /// Throws Error{unsupported} where the queue has no timestamps.
   TradeoffTimes time(const TradeoffWay& way, const Camera& view);
+
+  /// How far the eyes of a way with two views agree.
+  EyeAgreement eyes(const TradeoffWay& way, const Camera& view) const;
 
   /// As `picture` draws it.
   FramePlan plan(const TradeoffWay& way, const Camera& view, double dtSeconds = 0, const PlanState& state = {}) const;

@@ -115,6 +115,16 @@ class Places:
                  for gate in report["gates"] if not gate["holds"]]
         return table(("place", "promise that does not hold", "found"), lines) if lines else "All promises hold."
 
+    def eyes(self):
+        def cells(eyes):
+            figures = (100 * eyes["seenByBoth"], 100 * (eyes["sameCell"] or 0), eyes["difference"], eyes["difference95"])
+            return ["–" if figure is None else f"{figure:.2f}" for figure in figures]
+
+        lines = [(place, row["setting"], *cells(row["eyes"])) for place, report in self.reports.items()
+                 for row in report["settings"] if "eyes" in row]
+        return table(("place", "setting", "seen by both, %", "by the same cell, %", "difference, levels",
+                      "95 % less than"), lines) if lines else "Two eyes were not measured."
+
     def twin(self):
         lines = [(place, view["name"], f"{100 * view['compared']:.1f}", f"{view['meanLevels']:.3f}",
                   f"{view['largestLevels']:.1f}", f"{100 * view['beyondBound']:.4f}")
@@ -159,7 +169,7 @@ def write(folder, places):
     place = next((p for p in SHOWN if p in places.reports), next(iter(places.reports)))
     report = folder / place / "report"
     page = PAGE.read_text()
-    for name in ("about", "knobs", "presets", "gates", "twin"):
+    for name in ("about", "knobs", "presets", "gates", "eyes", "twin"):
         page = between(page, name, getattr(places, name)())
     page = between(page, "shown", f"The figures are of the {place}.")
     files = {PAGE: page}

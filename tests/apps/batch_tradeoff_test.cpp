@@ -97,6 +97,30 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
   CHECK(readTextFile(out / "tradeoff.json") == text);  // raw times and all
 }
 
+TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what was kept") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  const std::vector<std::string> line{"tradeoff",  tinyScene(), "--truth", tinySet().truth, "--knobs", "eyeColours",
+                                      "--no-grid", "--repeat",  "1",       "--walk",        "0",       "-q",
+                                      "-o",        out};
+  REQUIRE(runProgram(line).code == 0);
+  const std::string text = readTextFile(out / "tradeoff.json");
+  const Json report = Json::parse(text);
+  CHECK_FALSE(settingOf(report, "preset balanced").contains("eyes"));
+  for (const char* setting : {"eyeColours shared", "eyeColours own"}) {
+    const Json& eyes = settingOf(report, setting).at("eyes");
+    CHECK(eyes.at("seenByBoth") > 0.3);
+    CHECK(eyes.at("difference") > 0);  // they stand beside each other
+    CHECK(eyes.at("difference") < 10);
+    CHECK(eyes.at("difference95") >= eyes.at("difference"));
+    CHECK(eyes == settingOf(report, setting).at("views")[0].at("eyes"));
+  }
+  CHECK_THAT(readTextFile(out / "report.html"), Contains("What two eyes see") && Contains("<td>eyeColours own</td>"));
+  REQUIRE(runProgram(line).code == 0);
+  CHECK(readTextFile(out / "tradeoff.json") == text);
+}
+
 TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same command goes on") {
   if (!deviceIsThere()) return;
   const TemporaryFolder folder;
