@@ -143,6 +143,14 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   CHECK_FALSE(fs::exists(out / "tradeoff.json"));
   const std::string before = readTextFile(kept);
   const auto found = std::ranges::count(before, '\n');
+  const auto linesWith = [&](const std::string& what) {
+    std::istringstream lines(before);
+    int count = 0;
+    for (std::string each; std::getline(lines, each);) count += each.find(what) != std::string::npos;
+    return count;
+  };
+  CHECK(linesWith("\"prediction\"") == 10);  // settings: pictures come first
+  CHECK(linesWith("\"times\"") >= 2);        // rounds
   const Outcome resumed = runProgram(line);
   INFO(resumed.err);
   REQUIRE(resumed.code == 0);
