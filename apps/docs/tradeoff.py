@@ -81,7 +81,8 @@ class Places:
         wide = " to ".join(str(size) for size in sorted({sizes[0], sizes[-1]}))
         return (f"Device: {report['device']}" + (", which is software" if report["software"] else "") +
                 f"; {report['cores']} processor cores. Rounds: {report['repeat']}, of {len(self.means)} settings in "
-                f"{len(self.rows)} places ({', '.join(self.rows)}); pictures are {wide} px wide.")
+                f"{len(self.rows)} places ({', '.join(self.rows)}); pictures are {wide} px wide." +
+                (" **So few rounds tell times to an order of magnitude, no more.**" if report["repeat"] < 3 else ""))
 
     def knobs(self):
         lines = []
