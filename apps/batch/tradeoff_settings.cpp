@@ -76,7 +76,7 @@ const std::vector<Knob>& knobs() {
        words<BlendMode>(&R::blend,
                         {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}})},
       {"texture", "format of textures", Around::usual, formats()},
-      {"textureScale", "detail of photographs", Around::usual, numbers<double>(&R::textureScale, {1, 0.5, 0.25})},
+      {"textureScale", "detail of photographs", Around::usual, numbers<double>(&R::textureScale, {2, 1.41, 1, 0.5, 0.25})},
       {"filter", "how photographs are sampled", Around::usual, filters()},
       {"morph", "where vertices are seen", Around::usual,
        words<Morph>(&R::morph, {{"ours", Morph::ours}, {"paper", Morph::paper}})},
