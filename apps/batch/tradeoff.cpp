@@ -243,6 +243,15 @@ std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<Tradeo
   return worst;
 }
 
+// Mean over the views that have a truth; NaN where none has.
+double sampledDetailOf(const std::vector<TradeoffSubject>& subjects) {
+  double sum = 0;
+  int count = 0;
+  for (const TradeoffSubject& subject : subjects)
+    if (!subject.truth.empty()) sum += sampledDetail(subject.truth), ++count;
+  return sum / count;
+}
+
 // Colour tables of the first photograph that has a texture.
 std::vector<MapError> mapErrorsOf(const Scene& scene, std::uint64_t seed) {
   for (const Node& node : scene.nodes)
@@ -306,6 +315,7 @@ ExitCode tradeoff(const Options& options, const Context& context) {
     report.walks = walksOf(stage, settings.all, walk, key, kept, progress);
   }
   report.mapErrors = mapErrorsOf(places.scenes[0], context.options().seed);
+  report.sampledDetail = sampledDetailOf(subjects);
   report.missing = missingKnobs(options, places.scenes[0]);
   const std::vector<TradeoffFigure> figures = tradeoffFigures(report, sweep);
   for (const TradeoffFigure& figure : figures) writeFile(folder / figure.file, figure.svg);

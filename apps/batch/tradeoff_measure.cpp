@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "batch/sha256.h"
 #include "batch/tradeoff_measure.h"
+#include "batch/sha256.h"
 
 #include <algorithm>
 #include <numeric>

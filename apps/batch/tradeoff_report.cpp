@@ -40,7 +40,7 @@ std::string twinTable(const std::vector<ImplementationError>& errors) {
 
 std::vector<TradeoffGate> TradeoffReport::gates() const {
   std::vector<TradeoffGate> all = presetGates(rows);
-  for (TradeoffGate& gate : walkGates(walks, rows)) all.push_back(std::move(gate));
+  for (TradeoffGate& gate : walkGates(walks, rows, sampledDetail)) all.push_back(std::move(gate));
   return all;
 }
 
@@ -64,6 +64,7 @@ std::string reportJson(const TradeoffReport& report) {
   json["implementation"] = std::move(implementation);
   for (const MapError& error : report.mapErrors)
     errors.push_back({{"samples", error.samples}, {"same", error.same}, {"apart", error.apart}});
+  json["sampledDetail"] = report.sampledDetail;
   json["mapErrors"] = std::move(errors);
   json["knobs"] = std::move(knobs);
   json["missing"] = report.missing;

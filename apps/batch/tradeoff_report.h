@@ -2,6 +2,7 @@
 // Everything that `ibr tradeoff` found, as tradeoff.json (apps/schemas/tradeoff.schema.json) and as a table.
 #pragma once
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,9 +18,10 @@ namespace ibr::app {
 struct TradeoffReport {
   std::vector<TradeoffRow> rows;  // the first four are the presets
   std::vector<TradeoffKnob> knobs;
-  std::vector<TradeoffWalk> walks;                  // of the presets, or none
-  std::vector<ImplementationError> implementation;  // of some views
-  std::vector<MapError> mapErrors;                  // of a photograph of the scene
+  std::vector<TradeoffWalk> walks;                                  // of the presets, or none
+  std::vector<ImplementationError> implementation;                  // of some views
+  double sampledDetail = std::numeric_limits<double>::quiet_NaN();  // of the truth (ibr/metrics.h); NaN: there is none
+  std::vector<MapError> mapErrors;                                  // of a photograph of the scene
   nlohmann::ordered_json about;      // "version", "scene", "device" and all else that is one for all rows
   std::vector<std::string> missing;  // knobs of NUMERICS §5.4 that were not measured, and why
 

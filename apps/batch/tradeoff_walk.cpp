@@ -93,7 +93,8 @@ TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const 
   return result;
 }
 
-std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, const std::vector<TradeoffRow>& rows) {
+std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, const std::vector<TradeoffRow>& rows,
+                                    double sampledDetail) {
   std::vector<TradeoffGate> gates;
   for (const TradeoffWalk& walk : walks) {
     gates.push_back({walk.preset + ": no hole on the walk", walk.holePixels == 0,
@@ -104,10 +105,15 @@ std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, cons
            walk.switchStep <= kMostSwitch * walk.medianStep,
            fmt::format("{:.3f} levels to {:.3f}, {} changes", walk.switchStep, walk.medianStep, walk.switches), true});
   }
+  const double least = kLeastDetail * sampledDetail;
   for (std::size_t p = 0; p < kPresets.size(); ++p)
     if (const double detail = rows[p].truth().detail; std::isfinite(detail))
-      gates.push_back({fmt::format("{}: gradient energy against the truth is 0.9 to 1.1", kPresets[p].first),
-                       detail >= kLeastDetail && detail <= kMostDetail, fmt::format("{:.3f}", detail), true});
+      gates.push_back(
+          {fmt::format("{}: no less gradient energy than 0.9 of what the truth has where it is read between "
+                       "pixels, no more than 1.1 of the truth's",
+                       kPresets[p].first),
+           detail >= least && detail <= kMostDetail, fmt::format("{:.3f}, {:.3f} to {}", detail, least, kMostDetail),
+           true});
   return gates;
 }
 

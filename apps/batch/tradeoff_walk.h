@@ -29,8 +29,10 @@ TradeoffWalk walkThrough(TradeoffStage& stage, const std::string& preset, const 
                          const std::vector<View>& walk, const std::function<void()>& step);
 
 /// Holes 0, a change at most 1.5 times the median step, and of each preset the gradient energy of its pictures against
-/// the truth's from 0.9 to 1.1.
-std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, const std::vector<TradeoffRow>& rows);
+/// the truth's: neither blur beyond that of reading the truth itself between its pixels (`sampledDetail`,
+/// ibr/metrics.h), nor edges of ghosts.
+std::vector<TradeoffGate> walkGates(const std::vector<TradeoffWalk>& walks, const std::vector<TradeoffRow>& rows,
+                                    double sampledDetail);
 
 nlohmann::ordered_json walkJson(const TradeoffWalk& walk);
 /// Throws nlohmann::json::exception for what walkJson did not write.

@@ -174,7 +174,7 @@ def write(folder, places):
         page = between(page, name, getattr(places, name)())
     page = between(page, "shown", f"The figures are of the {place}.")
     files = {PAGE: page}
-    for name in FIGURES:
+    for name in (*FIGURES, *(["optimiser"] if (report / "optimiser.svg").exists() else [])):
         files[PAGE.parent / "pictures" / f"tradeoff-{name}.svg"] = (report / f"{name}.svg").read_text()
     html, size = (report / "report.html").read_text(), places.reports[place]["views"][0]["size"]
     drawings = [worst_views(html, size, presets) for presets in (("fast", "reference"), ("fast",))]

@@ -43,7 +43,9 @@ for place in $places; do
       measure datasets/drone_brighton --only DJI_0023.jpg DJI_0029.jpg --shrink 4 ;;
     street)
       build datasets/street/images --model datasets/street/sparse --max-size 384
-      measure datasets/street/gt --only gt00.png gt12.png --shrink 3 ;;
+      [ -f street/swept/sweep.json ] || "$ibr" sweep street/scene --truth datasets/street/gt --views gt00.png \
+        --instances 16 64 --radius 1 5 20 --decay 0.5 1 --threshold 0.005 --rigidity 0 1 10 -q -o street/swept
+      measure datasets/street/gt --only gt00.png gt12.png --shrink 3 --sweep street/swept/sweep.json ;;
     *)
       echo "tradeoff.sh: $place is none of cathedral, lane, hall, drone, street" >&2
       exit 1 ;;

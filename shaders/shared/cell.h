@@ -29,6 +29,9 @@ const uvec2 kDissolveOffset = uvec2(29, 17);
 /// masked, it is what shows.
 IBR_CONSTANT float kLeastMaskedWeight = 1e-4f;
 
+// Photographs are read half a mip level finer than their footprint asks for: bilinear filtering blurs as much as that.
+IBR_CONSTANT float kFinerDetail = 0.70710678f;
+
 struct CellMember {
   mat3 toView;     // member's camera axes → virtual camera axes
   vec2 focal;      // of the photograph, in widths and heights
@@ -44,7 +47,7 @@ struct CellParameters {
   float nearDistance;
   vec4 projection;  // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
   uint unitRays;    // 1: the paper's morph, a_i = 1 and ρ = 0
-  float detail;     // of the photographs: gradients are multiplied by it, 1 for theirs
+  float detail;     // of the photographs: gradients are multiplied by it, kFinerDetail for as much as the picture shows
   float alpha;      // tier code, (255 − 64·tier) / 255
   uint table;       // colour table
   float opacity;    // share of pixels that are drawn, chosen by blue noise

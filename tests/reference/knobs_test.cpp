@@ -49,6 +49,27 @@ TEST_CASE("texture scale takes away detail, and no more than it says") {
   }
 }
 
+TEST_CASE("photographs that are seen smaller keep the detail that the picture can show") {
+  // From farther back, 2.4 pixels of a photograph to one of the picture, whose truth is a mean over each pixel.
+  SyntheticOptions options = place(3);
+  for (TexturedPlane& plane : options.planes) plane.wavelength = 0.12;
+  options.samplesPerAxis = 4;
+  const SyntheticScene made = makeScene(options);
+  const Stage stage(testDevice(), made);
+  Camera view = cameraAt({0.4, 0.25, 0.1});
+  view.intrinsics = resized(view.intrinsics, view.intrinsics.width * 5 / 12, view.intrinsics.height * 5 / 12);
+  const Image8 truth = renderTruth(made, view);
+  RenderSettings settings = withTiers();
+  const Image8 usual = stage.render(view, settings);
+  settings.textureScale = std::sqrt(0.5);  // as if photographs were read in the level that their footprint asks for
+  const Image8 coarser = stage.render(view, settings);
+  Image8 cover(view.intrinsics.width, view.intrinsics.height, 1);
+  for (int y = 0; y < cover.height; ++y)
+    for (int x = 0; x < cover.width; ++x) cover.pixel(x, y)[0] = usual.pixel(x, y)[3];
+  CHECK(psnr(usual, truth, cover) > psnr(coarser, truth, cover) + 1);
+  CHECK(detail(usual, truth, cover).energy > detail(coarser, truth, cover).energy + 0.1);
+}
+
 TEST_CASE("render scale: the cells are drawn at that size, and interpolated to the target's") {
   const Stage stage(testDevice(), makeScene(place(3)));
   const Camera view = cameraAt({0.4, 0.25, 0.1});

@@ -18,6 +18,7 @@ BREAKS = [
     lambda r: r.update(views=[]),
     lambda r: r["views"][0].update(size=[1]),
     lambda r: r.update(repeat=0),
+    lambda r: r.pop("sampledDetail"),
     lambda r: r["limits"].pop("subTexelPrecisionBits"),
     lambda r: r["implementation"].append({"name": "x"}),
     lambda r: r["gates"][0].update(holds="yes"),

@@ -50,6 +50,10 @@ struct Detail {
 };
 Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
+/// The energy that is left of a picture's detail where it is read between its pixels by bilinear filtering, mean over 4 × 4
+/// places: what a photograph as fine as the picture can show of it from elsewhere. NaN where no neighbours differ.
+double sampledDetail(const Image8& picture);
+
 /// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
 struct Difference {
   int largest = 0;          // levels

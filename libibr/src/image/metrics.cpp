@@ -93,6 +93,29 @@ Detail detail(const Image8& picture, const Image8& truth, const Image8& mask) {
   return {pp / qq, pp > 0 ? std::clamp(pq / std::sqrt(pp * qq), -1.0, 1.0) : 0.0};
 }
 
+double sampledDetail(const Image8& picture) {
+  constexpr int kPlaces = 4;
+  const Luma luma = lumaOf(picture);
+  const auto differences = [&](double fx, double fy) {  // of what is read fx, fy pixels beside each pixel
+    const auto read = [&](int x, int y) {
+      const double above = (1 - fx) * luma.at(x, y) + fx * luma.at(x + 1, y);
+      return (1 - fy) * above + fy * ((1 - fx) * luma.at(x, y + 1) + fx * luma.at(x + 1, y + 1));
+    };
+    double sum = 0;
+    for (int y = 0; y + 2 < luma.height; ++y)
+      for (int x = 0; x + 2 < luma.width; ++x) {
+        const double here = read(x, y), right = read(x + 1, y) - here, below = read(x, y + 1) - here;
+        sum += right * right + below * below;
+      }
+    return sum;
+  };
+  double sum = 0;
+  for (int i = 0; i < kPlaces * kPlaces; ++i)
+    sum += differences((i % kPlaces + 0.5) / kPlaces, (i / kPlaces + 0.5) / kPlaces) / (kPlaces * kPlaces);
+  const double whole = differences(0, 0);
+  return whole > 0 ? sum / whole : Limits::quiet_NaN();
+}
+
 Difference difference(const Image8& a, const Image8& b, int threshold) {
   checkComparable(a, b, nullptr);
   Difference result;

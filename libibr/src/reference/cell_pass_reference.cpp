@@ -45,6 +45,7 @@ struct Step {
   double extrapolation;
   bool cubic;
   Correction correction;
+  double detail() const { return double(shader::kFinerDetail) / plan.settings.textureScale; }
   Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
 
@@ -90,8 +91,8 @@ Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& lev
   // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
   const glm::dvec2 quad(x & ~1, y & ~1), here(x + 0.5, y + 0.5);
   auto difference = [&](auto value) {
-    return std::pair(value({quad.x + 1.5, here.y}) - value({quad.x + 0.5, here.y}),
-                     value({here.x, quad.y + 1.5}) - value({here.x, quad.y + 0.5}));
+    return std::pair(step.detail() * (value({quad.x + 1.5, here.y}) - value({quad.x + 0.5, here.y})),
+                     step.detail() * (value({here.x, quad.y + 1.5}) - value({here.x, quad.y + 0.5})));
   };
   if (k.model == CameraModel::equirectangular) {
     const auto [dx, dy] = difference([&](glm::dvec2 pixel) { return glm::normalize(pointAt(t, member, pixel)); });
@@ -163,7 +164,7 @@ double agreement(const Step& step, const Triangle& t, const std::vector<std::vec
     };
     const auto [dx, dy] = both(point);
     const auto [cx, cy] = both([&](glm::dvec2 pixel) { return coordinate(point(pixel)); });
-    const double footprint = std::max(glm::length(cx * size), glm::length(cy * size));
+    const double footprint = step.detail() * std::max(glm::length(cx * size), glm::length(cy * size));
     for (int j = -shader::kAgreementReach; j <= shader::kAgreementReach; ++j)
       for (int n = -shader::kAgreementReach; n <= shader::kAgreementReach; ++n) {
         const Texel texel =

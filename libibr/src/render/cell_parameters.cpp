@@ -54,7 +54,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
   cell.projection = {float(2.0 * k.fx / k.width), float(2.0 * k.cx / k.width - 1.0), float(-2.0 * k.fy / k.height),
                      float(2.0 * k.cy / k.height - 1.0)};
   cell.unitRays = plan.settings.morph == Morph::paper && step.tier != kTierBackdrop;
-  cell.detail = float(1.0 / plan.settings.textureScale);
+  cell.detail = shader::kFinerDetail / float(plan.settings.textureScale);
   cell.alpha = (255.0f - 64.0f * float(step.tier)) / 255.0f;
   cell.table = step.table;
   cell.opacity = step.opacity;

@@ -181,6 +181,28 @@ TEST_CASE("detail: blur has less, a ghost has more, and moved edges are others")
   CHECK(detail(opposite, truth, all).correlation == Approx(-1.0));
 }
 
+TEST_CASE("sampled detail: noise loses two thirds between its pixels, a ramp nothing") {
+  Image8 noise(200, 200, 3), ramp(64, 8, 3), stripes(64, 8, 3);
+  std::mt19937 random(3);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const auto level = std::uint8_t(random() % 256);
+      for (auto& v : noise.pixel(x, y)) v = level;
+    }
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        ramp.pixel(x, y)[c] = std::uint8_t(4 * x);
+        stripes.pixel(x, y)[c] = std::uint8_t(255 * (x % 2));
+      }
+  // Of white noise, along an axis (1 − f)² + (1 − 2f)² + f² of 2, across it (1 − f)² + f²; over f = 1/8, 3/8, 5/8, 7/8.
+  CHECK(sampledDetail(noise) == Approx(0.96875 / 2 * 0.65625).margin(0.005));
+  CHECK(sampledDetail(ramp) == Approx(1.0));
+  CHECK(sampledDetail(stripes) == Approx((0.75 * 0.75 + 0.25 * 0.25) / 2));  // (1 − 2f)²
+  CHECK(std::isnan(sampledDetail(Image8(20, 20, 3, 7))));
+  CHECK(std::isnan(sampledDetail(Image8(1, 1, 3, 7))));
+}
+
 TEST_CASE("detail counts neighbours that are both inside the mask") {
   Image8 a(3, 1, 3, 0), b(3, 1, 3, 0);
   a.pixel(1, 0)[1] = 100, b.pixel(1, 0)[1] = 50;  // steps of 58.7 and 29.35 on both sides
