@@ -30,7 +30,7 @@ FrameRing::~FrameRing() {
 void FrameRing::wait() const {
   for (const Slot& slot : slots_) {
     const VkFence done = slot.done.get();
-    vk(vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
+    vk(device_, vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
   }
 }
 
@@ -38,7 +38,7 @@ FrameRing::Frame FrameRing::begin() {
   const auto index = std::uint32_t(frames_ % kSlots);
   Slot& slot = slots_[index];
   const VkFence done = slot.done.get();
-  vk(vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
+  vk(device_, vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, kForever), "vkWaitForFences");
   deviceMs_ = 0;
   if (frames_ >= kSlots)
     for (const ScopeTime& time : slot.timer->read())
@@ -59,7 +59,7 @@ void FrameRing::submit(const Frame& frame) {
   const VkSubmitInfo2 submission{
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &commands};
   const std::lock_guard lock(*device_.queueMutex());
-  vk(vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
+  vk(device_, vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 
 }  // namespace ibr::app

@@ -221,7 +221,7 @@ std::optional<Swapchain::Frame> Swapchain::begin() {
   const VkResult waited =
       vkWaitForFences(device_.handle(), 1, &done, VK_TRUE, options_.pace == Pace::whenever ? 0 : kForever);
   if (waited == VK_TIMEOUT) return std::nullopt;
-  vk(waited, "vkWaitForFences");
+  vk(device_, waited, "vkWaitForFences");
   beginCommands(device_, slot);
   return Frame{slot.commands, drawn_.get(), drawn_.view(), slot_, extent_};
 }
@@ -266,7 +266,7 @@ void Swapchain::submit(const Slot& slot, std::optional<std::uint32_t> index) con
                                  .signalSemaphoreInfoCount = index ? 1u : 0u,
                                  .pSignalSemaphoreInfos = &signal};
   const auto held = holdQueue(device_.queueMutex());
-  vk(vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
+  vk(device_, vkQueueSubmit2(device_.queue(), 1, &submission, done), "vkQueueSubmit2");
 }
 
 bool Swapchain::end(const Frame& frame) {

@@ -66,6 +66,7 @@ TEST_CASE("lost at any time, a device stays so for every call, and the scene com
       CHECK(error.code() == ErrorCode::deviceLost);
       CHECK_THAT(error.what(), Catch::Contains(failedCall()));
     }
+    CHECK(device.isLost());
     // Whatever is asked of it from now on.
     expectLost("open", [&] { place.open(device); });
     if (offscreen) expectLost("show again", [&] { show(renderer, offscreen); });
@@ -74,6 +75,9 @@ TEST_CASE("lost at any time, a device stays so for every call, and the scene com
         Planted planted = test::planted(2, 40, 2, 2.0, 11);
         align(planted.alignment, {.method = AlignmentMethod::compute, .instances = 8, .mostCycles = 1}, &device);
       });
+    // Also what only makes objects.
+    expectLost("offscreen", [&] { Offscreen(device, VkExtent2D{8, 8}); });
+    if (scene) expectLost("renderer", [&] { Renderer(device, *scene, optionsFor({}, {48, 36})); });
     expectLost("harmonised model", [&] {
       const BumpyModel bumpy = bumpyModel({.cameras = 2, .width = 40, .height = 30, .longitudes = 8, .latitudes = 6});
       GpuHtmModel(device, bumpy.model, bumpy.source());

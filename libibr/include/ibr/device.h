@@ -125,6 +125,11 @@ class Device {
   bool drawsViewsTogether() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
+  /// Whether a call has found the device lost, or its owner has said so by `lose` (who submits what libibr recorded finds
+  /// out first). From then on whatever is made from it, or given to it, throws Error{deviceLost}. Any thread.
+  bool isLost() const noexcept;
+  void lose() const noexcept;
+
   /// How many messages the validation layer has sent so far (0 without validation), of an adopted device as the caller
   /// counts them. Tests demand 0.
   std::uint64_t validationMessages() const noexcept;

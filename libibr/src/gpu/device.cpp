@@ -51,6 +51,7 @@ struct Device::State {
   DeviceFeatures features;  // enabled, as far as is known of an adopted device
   std::string name;
   ShaderReplacements shaders;
+  std::atomic<bool> lost = false;
 };
 
 Device Device::create(const DeviceOptions& options) {
@@ -183,6 +184,14 @@ bool Device::drawsViewsTogether() const noexcept {
 std::string Device::name() const {
   return state_->name;
 }
+bool Device::isLost() const noexcept {
+  return state_->lost;
+}
+
+void Device::lose() const noexcept {
+  state_->lost = true;
+}
+
 std::uint64_t Device::validationMessages() const noexcept {
   return *state_->validationMessages;
 }

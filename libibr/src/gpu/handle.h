@@ -59,8 +59,9 @@ using ShaderModuleHandle = Handle<VkShaderModule, vkDestroyShaderModule>;
 /// make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler"). Throws as vk() does.
 template <class Owner, class Create, class Info>
 Owner make(const Device& device, Create create, const Info& info, const char* call) {
+  checkAlive(device, call);
   typename Owner::Type handle = VK_NULL_HANDLE;
-  vk(create(device.handle(), &info, nullptr, &handle), call);
+  vk(device, create(device.handle(), &info, nullptr, &handle), call);
   return Owner(device.handle(), handle);
 }
 

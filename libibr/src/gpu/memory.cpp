@@ -51,6 +51,7 @@ int memoryType(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t all
 
 MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirements, MemoryKind kind,
                       std::string_view name) {
+  checkAlive(device, "vkAllocateMemory");
   const VkPhysicalDeviceMemoryProperties& memory = device.memoryProperties();
   const int type = memoryType(memory, requirements.memoryTypeBits, wish(kind));
   check(type >= 0, ErrorCode::unsupported, "{}: {} has no suitable type of memory", name, device.name());
@@ -66,7 +67,7 @@ MemoryHandle allocate(const Device& device, const VkMemoryRequirements& requirem
   check(result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,
         "{}: no {} bytes of memory are left on {} (vkAllocateMemory: {})", name, requirements.size, device.name(),
         resultName(result));
-  vk(result, "vkAllocateMemory");
+  vk(device, result, "vkAllocateMemory");
   MemoryHandle owner(device.handle(), handle);
   nameObject(device, VK_OBJECT_TYPE_DEVICE_MEMORY, handle, name);
   return owner;

@@ -24,7 +24,7 @@ Function load(const Device& device, const char* name) {
 }  // namespace
 
 ScopeTimer::ScopeTimer(const Device& device, std::uint32_t maxScopes)
-    : device_(device.handle()),
+    : device_(&device),
       beginLabel_(load<PFN_vkCmdBeginDebugUtilsLabelEXT>(device, "vkCmdBeginDebugUtilsLabelEXT")),
       endLabel_(load<PFN_vkCmdEndDebugUtilsLabelEXT>(device, "vkCmdEndDebugUtilsLabelEXT")),
       millisecondsPerTick_(double(device.properties().limits.timestampPeriod) * 1e-6) {
@@ -80,10 +80,10 @@ std::vector<ScopeTime> ScopeTimer::read() const {
   };
   std::vector<Query> queries(2 * scopes_.size());
   if (queries.empty()) return {};
-  const VkResult result = vkGetQueryPoolResults(device_, queries_.get(), 0, std::uint32_t(queries.size()),
+  const VkResult result = vkGetQueryPoolResults(device_->handle(), queries_.get(), 0, std::uint32_t(queries.size()),
                                                 queries.size() * sizeof(Query), queries.data(), sizeof(Query),
                                                 VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WITH_AVAILABILITY_BIT);
-  if (result != VK_NOT_READY) vk(result, "vkGetQueryPoolResults");
+  if (result != VK_NOT_READY) vk(*device_, result, "vkGetQueryPoolResults");
 
   std::vector<ScopeTime> times;
   for (std::size_t i = 0; i < scopes_.size(); ++i) {

@@ -43,7 +43,7 @@ class ScopeTimer {
     int depth;
   };
 
-  VkDevice device_;
+  const Device* device_;
   PFN_vkCmdBeginDebugUtilsLabelEXT beginLabel_;
   PFN_vkCmdEndDebugUtilsLabelEXT endLabel_;
   double millisecondsPerTick_;

@@ -16,7 +16,7 @@ namespace ibr {
 /// one.
 [[nodiscard]] std::unique_lock<std::mutex> holdQueue(std::mutex* queueMutex);
 
-/// vkDeviceWaitIdle, which uses the queue.
+/// vkDeviceWaitIdle, which uses the queue. A device that is found lost is so from then on (Device::isLost).
 VkResult waitIdle(const Device& device);
 
 /// A command buffer that is used again and again. The device must outlive it.
@@ -29,9 +29,7 @@ class Submission {
   void run(const std::function<void(VkCommandBuffer)>& record);
 
  private:
-  VkDevice device_;
-  VkQueue queue_;
-  std::mutex* queueMutex_;
+  const Device* device_;
   CommandPoolHandle pool_;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's
   FenceHandle fence_;

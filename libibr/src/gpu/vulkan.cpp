@@ -73,6 +73,15 @@ void vk(VkResult result, const char* call) {
   check(result == VK_SUCCESS, errorCode(result), "{}: {} ({})", call, resultName(result), int(result));
 }
 
+void vk(const Device& device, VkResult result, const char* call) {
+  if (result == VK_ERROR_DEVICE_LOST) device.lose();
+  vk(result, call);
+}
+
+void checkAlive(const Device& device, const char* call) {
+  if (device.isLost()) vk(VK_ERROR_DEVICE_LOST, call);
+}
+
 bool hasInstanceExtension(std::string_view name, const char* layer) {
   std::uint32_t count = 0;
   vk(vkEnumerateInstanceExtensionProperties(layer, &count, nullptr), "vkEnumerateInstanceExtensionProperties");

@@ -67,7 +67,7 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
-  addMeshes(device, scene);
+  addMeshes(device, scene, options.stagingBytes);
   const std::uint64_t meshBytes = vertices.allocatedBytes() + indices.allocatedBytes();
   photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);
   for (std::vector<Mesh>* meshes : {&cells, &backdrops})
@@ -87,7 +87,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
     for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
 }
 
-void GpuScene::State::addMeshes(Device& device, const Scene& scene) {
+void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes) {
   Geometry geometry;
   const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
     Mesh& out = meshes.emplace_back();
@@ -104,7 +104,7 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene) {
   };
   for (const Cell& cell : scene.cells) add(cell, cells);
   for (const Cell& backdrop : scene.backdrops) add(backdrop, backdrops);
-  Uploader uploader(device);
+  Uploader uploader(device, stagingBytes);
   vertices = makeArena(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
                        "cell vertices", uploader);
   indices = makeArena(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,

@@ -39,7 +39,7 @@ struct GpuScene::State {
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);
 
-  void addMeshes(Device& device, const Scene& scene);
+  void addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes);
 
   /// Points the mesh to where its photographs are now.
   void bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame);

@@ -18,7 +18,6 @@ namespace {
 constexpr std::uint32_t kStandInSide = 64;       // px, at most
 constexpr std::uint64_t kStandInShare = 4;       // of the budget they take at most one part in so many
 constexpr std::uint64_t kLeastPhotographs = 16;  // a budget should hold so many at the size they are streamed at
-constexpr std::uint64_t kFillStagingBytes = std::uint64_t(32) << 20;
 constexpr std::uint64_t kPagesInBudget = 16;  // at least, so that memory can go from one class to another
 
 template <class... Arguments>
@@ -118,7 +117,7 @@ Photographs::Photographs(const Device& device, const Scene& scene, const GpuScen
     setUpStreaming(options.stagingBytes);
   } else {
     fixed_ = FixedPages(device, classes_, scene.nodes.size());
-    fill(classes_);
+    fill(classes_, options.stagingBytes);
   }
 }
 
@@ -133,7 +132,7 @@ void Photographs::setUpStreaming(std::uint64_t stagingBytes) {
   while (side > 1 && FixedPages::bytes(*device_, standIns) > forTextures / kStandInShare)
     standIns = reduced(classes_, side /= 2);
   fixed_ = FixedPages(*device_, standIns, scene_->nodes.size());
-  fill(standIns);
+  fill(standIns, stagingBytes);
 
   const std::uint64_t rest = forTextures - fixed_.allocatedBytes();
   say(log_, LogLevel::info,
@@ -193,7 +192,7 @@ Texture Photographs::load(std::uint32_t node, const PageClass& pageClass) const 
 }
 
 // One barrier a page before and one after, however many layers: a scene may have 10,000 photographs.
-void Photographs::fill(std::span<const PageClass> classes) {
+void Photographs::fill(std::span<const PageClass> classes, std::uint64_t stagingBytes) {
   if (fixed_.pages().empty()) return;
   Submission submission(*device_);
   const auto moveAll = [&](ImageUse from, ImageUse to) {
@@ -202,7 +201,7 @@ void Photographs::fill(std::span<const PageClass> classes) {
     });
   };
   moveAll(use::kUndefined, use::kTransferDestination);
-  PhotographStream stream(*device_, kFillStagingBytes);
+  PhotographStream stream(*device_, stagingBytes);
   std::uint64_t frame = 1;
   const auto submit = [&] {
     submission.run([&](VkCommandBuffer commands) { stream.recordCopies(commands); });

@@ -42,7 +42,7 @@ class Photographs {
 
  private:
   Texture load(std::uint32_t node, const PageClass& pageClass) const;
-  void fill(std::span<const PageClass> classes);
+  void fill(std::span<const PageClass> classes, std::uint64_t stagingBytes);
   void setUpStreaming(std::uint64_t stagingBytes);
   void runSteps(const std::function<void(VkImageView)>& leaving);
   void makePage(const Residency::Step& step);
