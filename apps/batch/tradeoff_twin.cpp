@@ -28,7 +28,7 @@ ImplementationError errorOf(const Image8& picture, const reference::Picture& twi
   for (int y = 0; y < twin.height; ++y)
     for (int x = 0; x < twin.width; ++x) {
       const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
-      if (!twin.safe[at]) continue;
+      if (!reference::isCertain(twin, at, limits.subPixelPrecisionBits)) continue;
       const double bound = 1 + std::ceil(2 * step * twin.range[at] + levelStep * twin.levelRange[at]);
       for (int c = 0; c < 3; ++c) {
         const double off = std::abs(picture.pixel(x, y)[std::size_t(c)] - twin.colour[at][c] * 255);

@@ -11,7 +11,8 @@
 
 namespace ibr::app {
 
-/// Over the pixels that show one tier of one cell with all their neighbours: elsewhere rasterisation may differ.
+/// Over the pixels that show one tier of one cell with all their neighbours, and lie on no triangle's edge: elsewhere
+/// rasterisation may differ (reference::isCertain).
 struct ImplementationError {
   std::string name;       // of the view
   double compared = 0;    // share of the picture's pixels

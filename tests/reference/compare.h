@@ -26,7 +26,7 @@ inline void compareWithTwin(const Stage& stage, const FramePlan& plan, double le
   for (int y = 0; y < twin.height; ++y)
     for (int x = 0; x < twin.width; ++x) {
       const std::size_t at = std::size_t(y) * std::size_t(twin.width) + std::size_t(x);
-      if (!twin.safe[at]) continue;
+      if (!reference::isCertain(twin, at, properties.limits.subPixelPrecisionBits)) continue;
       ++compared;
       const auto pixel = picture.pixel(x, y);
       drawn += pixel[3] != 0;

@@ -73,8 +73,9 @@ void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out) {
   for (int y = 0; y < height; ++y) {
     const glm::dvec3 start = map * glm::dvec3(0.5, y + 0.5, 1.0), step = map[0];
     // Inside means q.z > 0 and 0 <= q.x / q.z <= width and so on: half-lines in x, so a row has one interval.
-    double low = 0, high = width - 1;
-    auto clip = [&](double at0, double slope) {  // at0 + slope·x >= 0
+    double low = 0,
+           high = sourceWidth > 1 && sourceHeight > 1 ? width - 1 : -1;  // there are pixels to interpolate between
+    auto clip = [&](double at0, double slope) {                          // at0 + slope·x >= 0
       if (slope > 0)
         low = std::max(low, -at0 / slope);
       else if (slope < 0)
@@ -182,7 +183,8 @@ void WindowCorrelation::countPairs(std::span<const WarpedView> warped, int y) {
   if (std::ranges::all_of(warped, [](const WarpedView& w) { return w.ignored.empty(); })) return;
   for (int x = 0; x < width_; ++x) {
     const std::size_t at = std::size_t(y) * std::size_t(width_) + std::size_t(x);
-    const auto left = std::ranges::count_if(warped, [&](const WarpedView& w) { return w.ignored.empty() || !w.ignored[at]; });
+    const auto left =
+        std::ranges::count_if(warped, [&](const WarpedView& w) { return w.ignored.empty() || !w.ignored[at]; });
     pairs_[std::size_t(x)] = float(left * (left - 1) / 2);
   }
 }
@@ -238,8 +240,8 @@ void WindowCorrelation::addPair(std::span<const WarpedView> warped, int y, int i
             sum(product), &total_[std::size_t(first)], &count_[std::size_t(first)], last - first + 1);
 }
 
-void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j, std::size_t product,
-                                      int first, int last) {
+void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j,
+                                      std::size_t product, int first, int last) {
   const std::size_t row = std::size_t(y) * std::size_t(width_);
   const auto used = [&](const WarpedView& w, int x) { return w.ignored.empty() || !w.ignored[row + std::size_t(x)]; };
   for (int x = first; x <= last; ++x) {

@@ -86,6 +86,13 @@ glm::dvec3 pointAt(const Triangle& t, std::size_t member, glm::dvec2 pixel) {
   return a[0] * t.point[0][member] + a[1] * t.point[1][member] + a[2] * t.point[2][member];
 }
 
+// Px from a pixel to the nearest edge of a triangle that it is inside of, negative outside; `a`: its weights.
+double edgeDistance(const Triangle& t, glm::dvec3 a) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) nearest = std::min(nearest, a[i] / std::hypot(t.inverse[0][i], t.inverse[1][i]));
+  return nearest;
+}
+
 Texel sample(const Step& step, const Triangle& t, const std::vector<Image8>& levels, std::size_t member, int x, int y) {
   const Intrinsics& k = intrinsicsOf(step, member);
   // Derivatives as a GPU takes them, between the pixels of a 2×2 quad.
@@ -127,7 +134,7 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
 Texel exposed(const Step& step, std::size_t member, Texel texel) {
   if (step.plan.settings.exposure == Exposure::off) return texel;
   const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
-  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
+  const double brightest = largest(texel.colour) + texel.range / 255;               // that may have been filtered in
   const double share = std::clamp((largest(texel.colour) - 0.9) / 0.09, 0.0, 1.0);  // that is clipped
   for (int c = 0; c < 3; ++c) {
     const double slope = std::pow(gain[c], 1 / 2.4), before = texel.colour[c];
@@ -283,9 +290,8 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
     glm::dmat3 m;
     for (int v = 0; v < 3; ++v) {
       const std::size_t p = mesh.triangles[f][v];
-      const glm::dvec3 d =
-          toView *
-          morph(step.scene, step.cell, p, step.weights.position, step.morph(), view.pose.position, step.correction);
+      const glm::dvec3 d = toView * morph(step.scene, step.cell, p, step.weights.position, step.morph(),
+                                          view.pose.position, step.correction);
       m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
       t.inverseDistance[v] = ours ? double(mesh.inverseDistance[p]) : 0.0;
       t.uncertainty[v] = mesh.uncertainty[p];
@@ -309,12 +315,15 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);
-        if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0 && a[0] + a[1] + a[2] > 0)) continue;
+        if (!(a[0] + a[1] + a[2] > 0)) continue;
+        const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
+        const double edge = std::abs(edgeDistance(t, a));
+        if (owners[at].step < 0 || owners[at].step == index) picture.edge[at] = std::min(picture.edge[at], edge);
+        if (!(a[0] >= 0 && a[1] >= 0 && a[2] >= 0)) continue;
         if (step.opacity < 1 && noiseAt(x + noise.x + int(shader::kDissolveOffset.x),
                                         y + noise.y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
           continue;
         const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
-        const std::size_t at = std::size_t(y) * std::size_t(k.width) + std::size_t(x);
         if (step.tier == kTierAgrees && std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
         if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
         std::array<double, 4> blend = step.weights.blend;
@@ -342,6 +351,7 @@ Picture canvas(const Scene& scene, const std::vector<std::vector<Image8>>& textu
                   height,
                   std::vector<glm::dvec4>(count, glm::dvec4(0)),
                   std::vector<std::uint8_t>(count, 0),
+                  std::vector<double>(count, std::numeric_limits<double>::infinity()),
                   std::vector<double>(count, 0),
                   std::vector<double>(count, 0),
                   std::vector<Known>(count),
@@ -388,6 +398,7 @@ Picture render(const Scene& scene, const std::vector<std::vector<Image8>>& textu
     if (former) {
       colour = glm::mix(colour, shown(former->colour[at], colour), plan.formerWeight);
       picture.safe[at] &= former->safe[at];
+      picture.edge[at] = std::min(picture.edge[at], former->edge[at]);
       picture.range[at] = std::max(picture.range[at], former->range[at]);
       picture.levelRange[at] = std::max(picture.levelRange[at], former->levelRange[at]);
     }

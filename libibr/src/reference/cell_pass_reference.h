@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -26,11 +27,20 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<glm::dvec4> colour;  // RGB display-encoded, 0 to 1, and the canvas's tier code; (0, 0, 0, 0) in holes
   std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one tier of one cell
+  std::vector<double> edge;        // px to the nearest edge of a triangle: see isCertain
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
   std::vector<double> levelRange;  // levels by which the two mip levels differ
   std::vector<Known> known;        // of the plan's current order
   std::vector<int> overlap;        // cells that show the pixel in tier 0, hidden ones too
 };
+
+/// Whether every device must draw the pixel as the twin does, but for its texture filter. Vertices are snapped to
+/// 2^-subPixelBits px (VkPhysicalDeviceLimits::subPixelPrecisionBits), half a step in x and in y, so edges move by up
+/// to 2^-subPixelBits / sqrt(2) px; a pixel that changes from one triangle of a cell to the next has the other's mip
+/// level.
+inline bool isCertain(const Picture& picture, std::size_t pixel, unsigned subPixelBits) {
+  return picture.safe[pixel] && picture.edge[pixel] > std::exp2(-double(subPixelBits));
+}
 
 /// What the target of a view receives, its alpha being the tier code. `textures`: a mip chain a node, as TextureSource
 /// gives it; `filter`: trilinear or bicubic. While a switch is mixed, `safe` and `range` hold for both pictures.

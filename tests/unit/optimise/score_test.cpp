@@ -69,8 +69,8 @@ TEST_CASE("scores are compared as whole numbers of any size are") {
     const auto times = std::int64_t(1 + random() % 1000);
     const auto small = [](std::int64_t v) { return v >> 12; };
     const shader::EccScore one{small(a.covariance), small(a.varianceX), small(a.varianceY)};
-    shader::EccScore same{one.covariance * times, one.varianceX * times * times, one.varianceY};
     if (Int128(one.varianceX) * times * times > (Int128(1) << 62)) continue;
+    shader::EccScore same{one.covariance * times, one.varianceX * times * times, one.varianceY};
     REQUIRE_FALSE(shader::eccGreater(one, same));
     REQUIRE_FALSE(shader::eccGreater(same, one));
     same.covariance += 1;
