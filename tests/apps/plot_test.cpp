@@ -2,6 +2,7 @@
 #include "shared/plot.h"
 
 #include <catch2/catch.hpp>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -118,7 +119,7 @@ TEST_CASE("a logarithmic axis of values: equal factors are equal heights, and wh
     const std::string svg = plotSvg("", {panel}, {});
     const std::size_t field = svg.find("<rect x=");  // after the legend
     for (std::size_t at = svg.find("translate(", field); at != std::string::npos; at = svg.find("translate(", at + 1))
-      all.push_back(std::stod(svg.substr(svg.find(' ', at))));
+      std::from_chars(&svg[svg.find(' ', at) + 1], svg.data() + svg.size(), all.emplace_back());
     return all;
   };
   REQUIRE(heights().size() == 4);
