@@ -54,6 +54,19 @@ Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 /// places: what a photograph as fine as the picture can show of it from elsewhere. NaN where no neighbours differ.
 double sampledDetail(const Image8& picture);
 
+/// Share of the picture's 32 × 32 px tiles (those at the right and lower edge may be smaller) that are torn: their mean
+/// gradient energy, the squared differences of luma to the right and lower neighbours, exceeds three times the truth's by
+/// more than 4 levels². NaN for empty pictures.
+inline constexpr int kTileSide = 32;  // px
+double tornTiles(const Image8& picture, const Image8& truth);
+
+/// The tile whose mean squared error over R, G, B is the largest.
+struct WorstTile {
+  int x = 0, y = 0;        // px of its upper left corner
+  double meanSquared = 0;  // levels²
+};
+WorstTile worstTile(const Image8& picture, const Image8& truth);
+
 /// Share of pixels whose largest channel difference exceeds each tolerance, as image comparison tools report it.
 struct Difference {
   int largest = 0;          // levels

@@ -46,6 +46,13 @@ Lab labOf(std::span<const std::uint8_t> pixel) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
+template <class Visit>
+void forTiles(const Image8& picture, const Visit& visit) {
+  for (int y = 0; y < picture.height; y += kTileSide)
+    for (int x = 0; x < picture.width; x += kTileSide)
+      visit(x, y, std::min(x + kTileSide, picture.width), std::min(y + kTileSide, picture.height));
+}
+
 }  // namespace
 
 double psnr(const Image8& a, const Image8& b) {
@@ -114,6 +121,45 @@ double sampledDetail(const Image8& picture) {
     sum += differences((i % kPlaces + 0.5) / kPlaces, (i / kPlaces + 0.5) / kPlaces) / (kPlaces * kPlaces);
   const double whole = differences(0, 0);
   return whole > 0 ? sum / whole : Limits::quiet_NaN();
+}
+
+double tornTiles(const Image8& picture, const Image8& truth) {
+  constexpr double kTimes = 3, kLevels = 4;  // of the truth's energy, and levels² more
+  checkComparable(picture, truth, nullptr);
+  const Luma p = lumaOf(picture), q = lumaOf(truth);
+  std::size_t torn = 0, tiles = 0;
+  forTiles(picture, [&](int left, int top, int right, int bottom) {
+    const auto energy = [&](const Luma& luma) {
+      double sum = 0;
+      for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x) {
+          const double toRight = x + 1 < luma.width ? luma.at(x + 1, y) - luma.at(x, y) : 0.0;
+          const double below = y + 1 < luma.height ? luma.at(x, y + 1) - luma.at(x, y) : 0.0;
+          sum += toRight * toRight + below * below;
+        }
+      return sum / double((right - left) * (bottom - top));
+    };
+    torn += energy(p) > kTimes * energy(q) + kLevels;
+    ++tiles;
+  });
+  return tiles > 0 ? double(torn) / double(tiles) : Limits::quiet_NaN();
+}
+
+WorstTile worstTile(const Image8& picture, const Image8& truth) {
+  checkComparable(picture, truth, nullptr);
+  WorstTile worst{0, 0, -1};
+  forTiles(picture, [&](int left, int top, int right, int bottom) {
+    double sum = 0;
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double off = double(picture.pixel(x, y)[c]) - double(truth.pixel(x, y)[c]);
+          sum += off * off;
+        }
+    const double mean = sum / (3.0 * (right - left) * (bottom - top));
+    if (mean > worst.meanSquared) worst = {left, top, mean};
+  });
+  return worst;
 }
 
 Difference difference(const Image8& a, const Image8& b, int threshold) {

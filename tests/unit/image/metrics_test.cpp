@@ -259,3 +259,33 @@ TEST_CASE("pictures that cannot be compared are refused") {
   CHECK_THROWS_AS(detail(a, small, mask), Error);
   CHECK_THROWS_AS(detail(a, a, wideMask), Error);
 }
+
+TEST_CASE("torn tiles are those with far more gradient than the truth") {
+  const Image8 flat(80, 40, 3, 100);  // tiles of 32, 32 and 16 px across, 32 and 8 down
+  CHECK(tornTiles(flat, flat) == 0);
+  Image8 torn = flat;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; x += 2)
+      for (std::size_t c = 0; c < 3; ++c) torn.pixel(x, y)[c] = 110;
+  CHECK(tornTiles(torn, flat) == Approx(1.0 / 6));
+  CHECK(tornTiles(torn, torn) == 0);
+  CHECK(tornTiles(flat, torn) == 0);  // blur is not tearing
+  Image8 slight = flat;               // 4 levels² of gradient more than none are allowed
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 80; x += 2)
+      for (std::size_t c = 0; c < 3; ++c) slight.pixel(x, y)[c] = 101;
+  CHECK(tornTiles(slight, flat) == 0);
+}
+
+TEST_CASE("the worst tile is the one of the largest mean squared error, however small it is") {
+  const Image8 truth(70, 64, 3, 100);
+  Image8 picture = truth;
+  picture.pixel(3, 3)[0] = 200;
+  CHECK(worstTile(picture, truth).x == 0);
+  for (int y = 32; y < 64; ++y) picture.pixel(66, y)[1] = 130;
+  const WorstTile worst = worstTile(picture, truth);
+  CHECK(worst.x == 64);
+  CHECK(worst.y == 32);
+  CHECK(worst.meanSquared == Approx(32 * 900.0 / (3 * 6 * 32)));
+  CHECK(worstTile(truth, truth).meanSquared == 0);
+}
