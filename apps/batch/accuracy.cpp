@@ -37,13 +37,8 @@ struct Options {
 std::vector<DepthView> depthViews(const Options& options, const Context& context) {
   const Truth truth(options.truth, {}, context.log());
   std::vector<DepthView> views;
-  for (const View& view : truth.views()) {
-    const Image<std::uint16_t> steps = readGrey16(pictureFile(fs::path(options.truth) / "depth", view.name));
-    ImageF depth(steps.width, steps.height, 1);
-    std::ranges::transform(steps.values, depth.values.begin(),
-                           [&](std::uint16_t s) { return float(options.unit * double(s)); });
-    views.push_back({view.camera, std::move(depth)});
-  }
+  for (const View& view : truth.views())
+    views.push_back({view.camera, truthDepth(fs::path(options.truth) / "depth", view.name, options.unit)});
   return views;
 }
 

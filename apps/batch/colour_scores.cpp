@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "base/median.h"
 #include "ibr/metrics.h"
 #include "image/srgb.h"
 
@@ -51,18 +54,16 @@ SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& tr
 }
 
 Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask) {
-  std::array<double, 3> product{}, square{};
+  std::array<std::vector<double>, 3> ratios;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)
       for (std::size_t c = 0; mask.pixel(x, y)[0] && c < 3; ++c) {
         const std::uint8_t p = picture.pixel(x, y)[c], t = truth.pixel(x, y)[c];
-        if (isClipped(p) || isClipped(t)) continue;
-        product[c] += decoded(p) * decoded(t);
-        square[c] += decoded(p) * decoded(p);
+        if (!isClipped(p) && !isClipped(t)) ratios[c].push_back(decoded(t) / decoded(p));
       }
   Image8 fitted(picture.width, picture.height, 3);
   for (std::size_t c = 0; c < 3; ++c) {
-    const double gain = square[c] > 0 ? product[c] / square[c] : 1.0;
+    const double gain = ratios[c].empty() ? 1.0 : median(std::move(ratios[c]));
     std::array<std::uint8_t, 256> table;
     for (int level = 0; level < 256; ++level) table[std::size_t(level)] = encoded(gain * decoded(std::uint8_t(level)));
     for (int y = 0; y < picture.height; ++y)

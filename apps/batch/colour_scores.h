@@ -17,9 +17,9 @@ struct SeamStep {
 /// `surface`: FrameBuffers::surface of the picture.
 SeamStep seamStep(const Image8& picture, const ImageF& surface, const Image8& truth);
 
-/// The picture (RGB) after each channel was multiplied, in linear light, by the gain that fits the truth best over the
-/// mask (least squares; what is clipped does not count). The exposure of a picture is a matter of taste; how it changes
-/// within it is not.
+/// The picture (RGB) after each channel was multiplied, in linear light, by one gain: the median over the mask of the
+/// truth's value over the picture's, clipped pixels left out. The exposure of a picture is a matter of taste; how it
+/// changes within it is not.
 Image8 gainFitted(const Image8& picture, const Image8& truth, const Image8& mask);
 
 /// Mean ΔE*ab over the mask of what gainFitted gives.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/photographs.h"
 #include "base/check.h"
 #include "base/file.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <set>
 #include <string>
@@ -70,6 +71,17 @@ ExitCode evaluate(const Options& options, const Context& context) {
   return kExitOk;
 }
 
+// All where none is named. Throws CLI::ValidationError for a name that is none of kBaselines.
+std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
+  std::erase(names, "");
+  std::vector<std::string> known;
+  for (const auto& [name, title] : kBaselines) known.emplace_back(name);
+  for (const std::string& name : names)
+    if (std::ranges::find(known, name) == known.end())
+      throw CLI::ValidationError("--baselines", fmt::format("{} is none of {}", name, fmt::join(known, ", ")));
+  return names.empty() ? known : names;
+}
+
 // Options that were given, with their values, but for those that change no score.
 std::vector<std::string> wordsThatCount(const CLI::App& app) {
   static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views", "--work",  "--output",
@@ -111,14 +123,30 @@ const Command kEvalCommand{
       app.add_option("-o,--output", options->output, "Folder for prediction, truth and difference")->type_name("DIR");
       app.add_flag("--seams", evaluation.seams,
                    "Also the step in colour from cell to cell beyond the truth's, in levels, and the colour difference "
-                   "(CIE 1976) that the best gain of each channel leaves; and how many pixels apart cells show the same "
+                   "(CIE 1976) that one gain a channel leaves; and how many pixels apart cells show the same "
                    "places of shared photographs (median and 95 %), drawn and had they not been aligned (--align)");
       app.add_flag("--fit-gain", evaluation.fitGain,
-                   "Also PSNR after the best gain of each channel: exposures of photographs differ");
-      app.add_flag("--baselines", evaluation.baselines,
-                   "Also simpler ways to show the same photographs: the nearest one by homography, an unstructured "
-                   "lumigraph on the matches' depth, a cross-fade without morphing, the paper's morph, the paper's "
-                   "order");
+                   "Also PSNR after one gain a channel, the median ratio: exposures of photographs differ");
+      auto* baselines =
+          app.add_option("--baselines", evaluation.baselines,
+                         "Also other ways to show the same photographs: the nearest one by homography (nearest), an "
+                         "unstructured lumigraph on the matches' depth (lumigraph), a cross-fade without morphing "
+                         "(crossFade), the paper's morph (paper), the paper's order (paperOrder), the reference "
+                         "composer, which votes for depth and gathers colours (gathered); without names all")
+              ->type_name("NAME...")
+              ->expected(0, int(kBaselines.size()));
+      app.add_flag("--guessed", evaluation.guessed,
+                   "Also, in JSON, the share of pixels whose depth was completed or filled");
+      auto* depth = app.add_option("--truth-depth", evaluation.truthDepth,
+                                   "Exact depth of the views, NAME.png of 16 bits each: also the share of pixels whose "
+                                   "drawn depth is right, too far or too near, without sky")
+                        ->type_name("DIR");
+      addDouble(app, "--depth-unit", evaluation.depthUnit, 1e-9, 1e9,
+                "World units that one step of a depth picture stands for")
+          ->needs(depth);
+      addDouble(app, "--depth-baseline", evaluation.depthBaseline, 1e-9, 1e9,
+                "Depth is right where seen from so far beside it moves by at most 1 px, world units")
+          ->needs(depth);
       declareSettings(app, evaluation.settings);
       declareGpuScene(app, evaluation.gpuScene);
       std::vector<CLI::Option*> only{addInt(app, "--every", options->leaveOneOut.every, 1, 1000000,
@@ -133,7 +161,8 @@ const Command kEvalCommand{
       for (CLI::Option* option : declareBuildOptions(app, options->build))
         if (option->get_name() != "--masks") only.push_back(option);  // of the truth: there it does not count
       for (CLI::Option* option : only) option->needs(rebuilt);
-      app.callback([options, &app] {
+      app.callback([options, baselines, &app] {
+        if (baselines->count() > 0) options->evaluation.baselines = chosenBaselines(options->evaluation.baselines);
         if (!options->leaveOneOut.photographs.empty()) {
           options->leaveOneOut.words = wordsThatCount(app);
           return;

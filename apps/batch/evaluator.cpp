@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/evaluator.h"
 
+#include <algorithm>
 #include <chrono>
 #include <glm/vec3.hpp>
 #include <string_view>
 
+#include "base/check.h"
 #include "batch/colour_scores.h"
+#include "batch/depth_scores.h"
 #include "batch/poses.h"
+#include "batch/truth.h"
 #include "io/image_file.h"
 #include "render/alignment.h"
 #include "shared/pictures.h"
@@ -39,15 +43,27 @@ RenderSettings paperSettings(RenderSettings settings) {
 
 RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& options) {
   RendererOptions prepared = optionsFor(options.settings, {});
-  if (options.seams) prepared.buffers = &scene;
-  if (options.baselines) prepared.orders = {DrawOrder::ours, DrawOrder::paper};
+  if (options.seams || options.guessed || !options.truthDepth.empty()) prepared.buffers = &scene;
+  if (!options.baselines.empty()) prepared.orders = {DrawOrder::ours, DrawOrder::paper};
   return prepared;
 }
 
-Scores meanOfBaseline(const std::vector<ViewOutcome>& outcomes, std::size_t which) {
+// Whether one of the baselines that simply show photographs (ibr/baselines.h) is asked for.
+bool wantsSimpleOnes(const EvaluationOptions& options) {
+  return std::ranges::any_of(options.baselines, [](const std::string& name) {
+    return name == "nearest" || name == "lumigraph" || name == "crossFade";
+  });
+}
+
+std::string_view titleOf(const std::string& baseline) {
+  return std::ranges::find(kBaselines, baseline, [](const auto& named) { return std::string_view(named.first); })->second;
+}
+
+Scores meanOfBaseline(const std::vector<ViewOutcome>& outcomes, const std::string& name) {
   std::vector<Scores> all;
   for (const ViewOutcome& outcome : outcomes)
-    if (which < outcome.baselines.size()) all.push_back(outcome.baselines[which]);
+    for (const auto& [baseline, scores] : outcome.baselines)
+      if (baseline == name) all.push_back(scores);
   return meanOf(all);
 }
 
@@ -57,15 +73,14 @@ Json outcomeJson(const ViewOutcome& outcome) {
   Json json{{"name", outcome.name}};
   json.update(scoresJson(outcome.scores));
   if (!outcome.failure.empty()) json["failure"] = outcome.failure;
-  for (std::size_t b = 0; b < outcome.baselines.size(); ++b)
-    json["baselines"][kBaselines[b].first] = scoresJson(outcome.baselines[b]);
+  for (const auto& [name, scores] : outcome.baselines) json["baselines"][name] = scoresJson(scores);
   return json;
 }
 
 ViewOutcome outcomeOf(const Json& json) {
   ViewOutcome outcome{json.at("name"), scoresOf(json), {}, json.value("failure", "")};
   if (json.contains("baselines"))
-    for (const auto& [name, title] : kBaselines) outcome.baselines.push_back(scoresOf(json["baselines"].at(name)));
+    for (const auto& [name, scores] : json["baselines"].items()) outcome.baselines.emplace_back(name, scoresOf(scores));
   return outcome;
 }
 
@@ -75,7 +90,9 @@ Evaluator::Evaluator(const Scene& scene, const std::vector<View>& views, const E
       bounds_(sceneBounds(scene)),
       options_(withHoles(options)),
       renderer_(scene, views, options.gpuScene, rendererOptions(scene, options_), context) {
-  if (options.baselines) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
+  if (wantsSimpleOnes(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
+  if (std::ranges::find(options.baselines, "gathered") != options.baselines.end())
+    gathered_.emplace(scene, context.options().threads);
 }
 
 SceneRenderer::Picture Evaluator::render(const Camera& view, const RenderSettings& settings) {
@@ -83,8 +100,7 @@ SceneRenderer::Picture Evaluator::render(const Camera& view, const RenderSetting
   return renderer_.render(view, settings, alone);
 }
 
-SceneRenderer::Picture Evaluator::baseline(std::size_t which, const Camera& view) {
-  const std::string_view name = kBaselines[which].first;
+SceneRenderer::Picture Evaluator::baseline(const std::string& name, const Camera& view) {
   if (name == "paper") return render(view, paperSettings(options_.settings));
   if (name == "paperOrder") {
     RenderSettings settings = options_.settings;
@@ -130,16 +146,50 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
     outcome.scores.seam = seam.levels;
     outcome.scores.seamDeltaE = seam.deltaE;
     outcome.scores.deltaE = gainFreeDeltaE(ours.image, truth, coverOf(ours.image));
+    outcome.scores.guessed = guessedShare(*ours.buffers);
+    measureDepth(view, drawnInverseDepth(*ours.buffers), outcome.scores);
   }
   if (options_.seams) measureAlignment(view.camera, outcome.scores);
   if (!options_.pictures.empty()) write(options_.pictures, view, ours.image, truth);
-  for (std::size_t b = 0; options_.baselines && b < kBaselines.size(); ++b) {
-    const SceneRenderer::Picture other = baseline(b, view.camera);
-    outcome.baselines.push_back(score(other.image, truth, options_.fitGain, used));
-    outcome.baselines.back().milliseconds = other.milliseconds;
-    if (!options_.pictures.empty()) write(options_.pictures / kBaselines[b].first, view, other.image, truth);
+  for (const std::string& name : options_.baselines) {
+    if (name == "gathered") {
+      outcome.baselines.emplace_back(name, gathered(view, truth, used));
+      continue;
+    }
+    const SceneRenderer::Picture other = baseline(name, view.camera);
+    outcome.baselines.emplace_back(name, score(other.image, truth, options_.fitGain, used));
+    outcome.baselines.back().second.milliseconds = other.milliseconds;
+    if (!options_.pictures.empty()) write(options_.pictures / name, view, other.image, truth);
   }
   return outcome;
+}
+
+Scores Evaluator::gathered(const View& view, const Image8& truth, const Image8& used) {
+  const FramePlan plan = planFrame(scene_, bounds_, {{view.camera}, options_.settings});
+  gathered_->expose(options_.settings.exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
+  const auto begin = std::chrono::steady_clock::now();
+  const reference::Composed composed = gathered_->compose(view.camera);
+  Scores scores = score(composed.picture, truth, options_.fitGain, used);
+  scores.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  scores.guessed = 1 - scores.coverageTier0;
+  ImageF drawn = composed.inverseDepth;
+  for (std::size_t p = 0; p < drawn.values.size(); ++p)
+    if (composed.picture.values[4 * p + 3] == 0) drawn.values[p] = -1;
+  measureDepth(view, drawn, scores);
+  if (!options_.pictures.empty()) write(options_.pictures / "gathered", view, composed.picture, truth);
+  return scores;
+}
+
+void Evaluator::measureDepth(const View& view, const ImageF& inverseDepth, Scores& scores) const {
+  if (options_.truthDepth.empty()) return;
+  const ImageF truth = truthDepth(options_.truthDepth, view.name, options_.depthUnit);
+  check(truth.width == inverseDepth.width && truth.height == inverseDepth.height, ErrorCode::invalidInput,
+        "{}: is {}×{} px, but the view {}×{}", pictureFile(options_.truthDepth, view.name).string(), truth.width,
+        truth.height, inverseDepth.width, inverseDepth.height);
+  const DepthScores depth = depthScores(inverseDepth, truth, {view.camera.intrinsics.fx, options_.depthBaseline});
+  scores.rightDepth = depth.right;
+  scores.tooFar = depth.tooFar;
+  scores.tooNear = depth.tooNear;
 }
 
 void Evaluator::measureAlignment(const Camera& view, Scores& scores) const {
@@ -156,8 +206,7 @@ std::vector<fs::path> evaluationFiles(const EvaluationOptions& options, const st
   std::vector<fs::path> files;
   if (options.pictures.empty()) return files;
   files.push_back(pictureFile(options.pictures, viewName));
-  if (options.baselines)
-    for (const auto& [name, title] : kBaselines) files.push_back(pictureFile(options.pictures / name, viewName));
+  for (const std::string& name : options.baselines) files.push_back(pictureFile(options.pictures / name, viewName));
   return files;
 }
 
@@ -186,13 +235,17 @@ void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOp
                   numberText(means.seam, 3), numberText(means.seamDeltaE, 3), numberText(means.deltaE, 3),
                   numberText(means.misaligned, 2), numberText(means.misaligned95, 2), numberText(means.uncorrected, 2),
                   numberText(means.uncorrected95, 2));
-  if (options.baselines) {
+  if (!options.truthDepth.empty())
+    context.print("depth right {}, too far {}, too near {} (shares, without sky; 1 px at a baseline of {})\n",
+                  numberText(means.rightDepth, 3), numberText(means.tooFar, 3), numberText(means.tooNear, 3),
+                  options.depthBaseline);
+  if (!options.baselines.empty()) {
     Table methods;
     methods.row(scoresHeading("mean of", options.fitGain));
-    for (std::size_t b = 0; b < kBaselines.size(); ++b) {
-      const Scores other = meanOfBaseline(outcomes, b);
-      mean["baselines"][kBaselines[b].first] = scoresJson(other);
-      methods.row(scoresRow(kBaselines[b].second, other, options.fitGain));
+    for (const std::string& name : options.baselines) {
+      const Scores other = meanOfBaseline(outcomes, name);
+      mean["baselines"][name] = scoresJson(other);
+      methods.row(scoresRow(std::string(titleOf(name)), other, options.fitGain));
     }
     methods.row(scoresRow("ours", means, options.fitGain));
     context.print("\n{}", methods.text());

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "batch/gathered_views.h"
 #include "batch/scores.h"
 #include "ibr/baselines.h"
 #include "shared/camera_path.h"
@@ -21,7 +22,12 @@ namespace ibr::app {
 struct EvaluationOptions {
   RenderSettings settings;
   GpuSceneOptions gpuScene;
-  bool seams = false, fitGain = false, baselines = false;
+  bool seams = false, fitGain = false;
+  std::vector<std::string> baselines;  // names of kBaselines
+  bool guessed = false;                // also Scores::guessed
+  std::filesystem::path truthDepth;    // folder of exact depth (truthDepth in truth.h); empty: none
+  double depthUnit = 0.01;             // world units a step of its pictures
+  double depthBaseline = 0.3;          // DepthTolerance::baseline, world units
   std::filesystem::path pictures;  // folder for prediction, truth and difference side by side; empty: none
 };
 
@@ -30,14 +36,15 @@ inline constexpr std::array kBaselines{std::pair{"nearest", "nearest photograph"
                                        std::pair{"lumigraph", "unstructured lumigraph"},
                                        std::pair{"crossFade", "cross-fade of one cell"},
                                        std::pair{"paper", "the paper's morph and order, tier 0"},
-                                       std::pair{"paperOrder", "ours in the paper's order"}};
+                                       std::pair{"paperOrder", "ours in the paper's order"},
+                               std::pair{"gathered", "reference composer"}};
 
 /// What came of a view.
 struct ViewOutcome {
   std::string name;
   Scores scores;
-  std::vector<Scores> baselines;  // as kBaselines, or none
-  std::string failure;            // why there are no scores; empty: there are
+  std::vector<std::pair<std::string, Scores>> baselines = {};  // by their names
+  std::string failure = {};                                    // why there are no scores; empty: there are
 };
 nlohmann::ordered_json outcomeJson(const ViewOutcome& outcome);
 
@@ -57,7 +64,9 @@ class Evaluator {
 
  private:
   SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
-  SceneRenderer::Picture baseline(std::size_t which, const Camera& view);
+  SceneRenderer::Picture baseline(const std::string& name, const Camera& view);
+  void measureDepth(const View& view, const ImageF& inverseDepth, Scores& scores) const;
+  Scores gathered(const View& view, const Image8& truth, const Image8& used);
   void measureAlignment(const Camera& view, Scores& scores) const;
   void write(const std::filesystem::path& folder, const View& view, const Image8& picture, const Image8& truth) const;
 
@@ -66,6 +75,7 @@ class Evaluator {
   EvaluationOptions options_;
   SceneRenderer renderer_;
   std::optional<Baselines> baselines_;
+  std::optional<GatheredViews> gathered_;
   bool first_ = true;
 };
 

@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "author/bilinear.h"
-#include "author/raster.h"
+#include "image/bilinear.h"
+#include "image/raster.h"
 #include "base/file.h"
 #include "io/image_file.h"
 #include "shared/pictures.h"

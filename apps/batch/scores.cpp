@@ -37,6 +37,11 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"msSsim", "MS-SSIM", Shown::always, 4, &Scores::msSsim},
                                {"detailEnergy", "detail", Shown::always, 2, &Scores::detailEnergy},
                                {"detailCorrelation", "", Shown::never, 3, &Scores::detailCorrelation},
+                               {"tornTiles", "torn", Shown::always, 3, &Scores::tornTiles},
+                               {"guessed", "", Shown::never, 3, &Scores::guessed},
+                               {"rightDepth", "", Shown::never, 3, &Scores::rightDepth},
+                               {"tooFar", "", Shown::never, 3, &Scores::tooFar},
+                               {"tooNear", "", Shown::never, 3, &Scores::tooNear},
                                {"seam", "", Shown::never, 3, &Scores::seam},
                                {"seamDeltaE", "", Shown::never, 3, &Scores::seamDeltaE},
                                {"deltaE", "", Shown::never, 3, &Scores::deltaE},
@@ -104,7 +109,7 @@ Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, 
 
 }  // namespace
 
-Scores::Scores() {
+Scores::Scores() : worstTile{0, 0, -1} {
   for (const Figure& figure : kFigures) this->*figure.value = std::nan("");
 }
 
@@ -124,6 +129,8 @@ Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const 
   scores.ssimCovered = ssim(prediction, truth, mask);
   scores.msSsim = msSsim(prediction, truth);
   scoreDetail(prediction, truth, mask, scores);
+  scores.tornTiles = tornTiles(prediction, truth);
+  scores.worstTile = worstTile(prediction, truth);
   if (fitGain) {
     const Image8 fitted = gainFitted(prediction, truth, mask);
     scores.psnrGain = psnr(fitted, truth);
@@ -135,6 +142,8 @@ Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const 
 nlohmann::ordered_json scoresJson(const Scores& scores) {
   auto json = nlohmann::ordered_json::object();
   for (const Figure& figure : kFigures) json[figure.name] = scores.*figure.value;
+  if (const WorstTile& tile = scores.worstTile; tile.meanSquared >= 0)
+    json["worstTile"] = {{"x", tile.x}, {"y", tile.y}, {"meanSquared", tile.meanSquared}};
   return json;
 }
 
@@ -143,6 +152,8 @@ Scores scoresOf(const nlohmann::ordered_json& json) {
   for (const Figure& figure : kFigures)
     if (const auto found = json.find(figure.name); found != json.end() && found->is_number())
       scores.*figure.value = found->get<double>();
+  if (const auto tile = json.find("worstTile"); tile != json.end())
+    scores.worstTile = {tile->at("x"), tile->at("y"), tile->at("meanSquared")};
   return scores;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ibr/image.h"
+#include "ibr/metrics.h"
 
 namespace ibr::app {
 
@@ -16,10 +17,14 @@ struct Scores {
   double psnrGain, psnrCoveredGain;        // after the gain of each channel that fits best
   double msSsim;                           // of the whole picture; with `used`: none
   double detailEnergy, detailCorrelation;  // of what is covered (ibr/metrics.h, Detail)
+  double tornTiles;                        // ibr/metrics.h
+  double guessed;                          // share of pixels whose depth was completed or filled, or that are empty
+  double rightDepth, tooFar, tooNear;      // depth_scores.h
   double seam, seamDeltaE, deltaE;         // colour_scores.h
   double misaligned, misaligned95;         // px between what cells say of one place (render/alignment.h): median, 95 %
   double uncorrected, uncorrected95;       // likewise, had cells not been aligned
   double milliseconds;
+  WorstTile worstTile;  // of one view; meanSquared −1 for means
 };
 
 /// `prediction`: RGBA, alpha of AlphaContent::tier, its holes black. `fitGain`: also psnrGain and psnrCoveredGain. The

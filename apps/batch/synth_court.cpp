@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/colmap_views.h"

@@ -55,4 +55,12 @@ Image8 Truth::picture(const View& view) const {
   return distorted ? undistort(image, lens->second, k) : image;
 }
 
+ImageF truthDepth(const fs::path& folder, const std::string& view, double unit) {
+  const Image<std::uint16_t> steps = readGrey16(pictureFile(folder, view));
+  ImageF depth(steps.width, steps.height, 1);
+  std::ranges::transform(steps.values, depth.values.begin(),
+                         [unit](std::uint16_t s) { return float(unit * double(s)); });
+  return depth;
+}
+
 }  // namespace ibr::app

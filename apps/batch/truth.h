@@ -32,4 +32,8 @@ class Truth {
   std::map<std::string, Lens> lenses_;  // by the views' names; of those that distort
 };
 
+/// Exact depth of a view: FOLDER/NAME.png of 16 bits, in steps of `unit` world units along the axis at pixel centres;
+/// 0 stands for the sky. Throws Error (io, invalidInput) that names the file.
+ImageF truthDepth(const std::filesystem::path& folder, const std::string& view, double unit);
+
 }  // namespace ibr::app

@@ -10,6 +10,7 @@
 #include "run_program.h"
 #include "support/temporary_folder.h"
 #include "tiny_scene.h"
+#include "unit/io/unusual_files.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -181,11 +182,11 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
   const auto isPhotograph = [](const json& scores) { return scores.at("psnr").is_null() || scores.at("psnr") > 45; };
   const json atPhotographs = evaluate(test::tinySet().photographs);
   for (const json& view : atPhotographs.at("views"))
-    for (const char* name : {"nearest", "lumigraph"}) CHECK(isPhotograph(view.at("baselines").at(name)));
+    for (const char* name : {"nearest", "lumigraph", "gathered"}) CHECK(isPhotograph(view.at("baselines").at(name)));
 
   const json between = evaluate(test::tinySet().truth).at("views").at(0);
   const json& others = between.at("baselines");
-  REQUIRE(others.size() == 5);
+  REQUIRE(others.size() == 6);
   for (const json& scores : others) {
     for (const char* key : {"psnr", "ssim", "flip", "coverage", "psnrCovered", "psnrGain", "psnrCoveredGain"})
       CHECK(scores.at(key).is_number());
@@ -196,6 +197,52 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
   CHECK(double(others["paperOrder"]["psnr"]) == Approx(double(between["psnr"])).margin(0.3));
   CHECK(others["paper"]["coverage"] <= between["coverage"]);
   CHECK(between["psnr"] > others["nearest"]["psnr"]);
-  for (const char* name : {"nearest", "lumigraph", "crossFade", "paper", "paperOrder"})
+  CHECK(others["gathered"]["psnr"] > others["nearest"]["psnr"]);
+  for (const char* name : {"nearest", "lumigraph", "crossFade", "paper", "paperOrder", "gathered"})
     CHECK(fs::exists(folder / "out" / name / "between.png"));
+}
+
+namespace {
+
+// 16 bits, 400 steps everywhere.
+void writeEvenDepth(const fs::path& file, int width, int height) {
+  test::Bytes row;
+  for (int x = 0; x < width; ++x) row.insert(row.end(), {400 / 256, 400 % 256});
+  constexpr int kGrey = 0;  // PNG_COLOR_TYPE_GRAY
+  const test::Bytes png = test::makePng(width, height, kGrey, 16, std::vector<test::Bytes>(std::size_t(height), row));
+  writeFile(file, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+}
+
+}  // namespace
+
+TEST_CASE("eval: baselines by name, torn tiles, guessed pixels, and depth against the truth") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const Image8 truth = readImage(test::tinySet().truth / "images/between.png");
+  const fs::path depth = folder / "depth";
+  fs::create_directories(depth);
+  writeEvenDepth(depth / "between.png", truth.width, truth.height);
+  const auto outcome = runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--guessed", "--truth-depth",
+                                   depth, "--depth-unit", "0.01", "--json", folder / "report.json", "--baselines",
+                                   "gathered"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json view = json::parse(readTextFile(folder / "report.json")).at("views").at(0);
+  REQUIRE(view.at("baselines").size() == 1);
+  for (const json& scores : {view, view["baselines"]["gathered"]}) {
+    for (const char* key : {"tornTiles", "guessed", "rightDepth", "tooFar", "tooNear"}) {
+      CHECK(scores.at(key) >= 0);
+      CHECK(scores.at(key) <= 1);
+    }
+    CHECK(double(scores["rightDepth"]) + double(scores["tooFar"]) + double(scores["tooNear"]) <= 1.0001);
+    CHECK(scores.at("worstTile").at("meanSquared") >= 0);
+  }
+
+  const auto unknown = runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--baselines", "magic"});
+  CHECK(unknown.code == 1);
+  CHECK_THAT(unknown.err, Contains("magic") && Contains("lumigraph"));
+  writeEvenDepth(depth / "between.png", 8, 8);
+  const auto small = runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--truth-depth", depth});
+  CHECK(small.code == 3);
+  CHECK_THAT(small.err, Contains("between.png"));
 }

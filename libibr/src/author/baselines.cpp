@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <list>
 #include <map>
@@ -13,15 +12,15 @@
 #include <vector>
 
 #include "author/backdrop.h"
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 #include "author/complete_depth.h"
+#include "author/exposed_picture.h"
 #include "author/lumigraph.h"
 #include "author/posed_model.h"
-#include "author/reprojection.h"
+#include "scene/reprojection.h"
 #include "author/scene_depth.h"
 #include "base/check.h"
 #include "io/image_file.h"
-#include "shared/cell.h"
 
 namespace ibr {
 namespace {
@@ -30,20 +29,6 @@ constexpr int kProxySide = 1024;          // px, longest side of a view's proxy
 constexpr std::size_t kProxyMaps = 8;     // photographs whose depth it is made from
 constexpr std::size_t kPhotographs = 24;  // that are looked at for a view
 constexpr std::size_t kVotes = 6;         // photographs that a place in the view votes for
-
-// As a renderer shows a photograph with this gain.
-Image8 exposed(Image8 picture, glm::dvec3 gain) {
-  const shader::vec3 gains(gain), slopes(glm::pow(gain, glm::dvec3(1 / 2.4)));
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const auto pixel = picture.pixel(x, y);
-      const shader::vec3 shown =
-          255.0f * shader::exposedColour(shader::vec3(pixel[0], pixel[1], pixel[2]) / 255.0f, gains, slopes);
-      for (int c = 0; c < 3; ++c)
-        pixel[std::size_t(c)] = std::uint8_t(std::lround(std::clamp(shown[c], 0.0f, 255.0f)));
-    }
-  return picture;
-}
 
 Camera scaledCamera(Camera camera, glm::ivec2 size) {
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
@@ -103,7 +88,7 @@ struct Baselines::State {
   // As it is shown.
   Image8 shown(std::uint32_t node) {
     const Image8& picture = photographs.picture(node);
-    return exposure ? exposed(picture, *exposure * scene.nodes[node].gain) : picture;
+    return exposure ? exposedPicture(picture, *exposure * scene.nodes[node].gain) : picture;
   }
 
   // What cells matched, and with `complete` the rest as backdrops have it.

@@ -6,7 +6,7 @@
 #include <functional>
 #include <string_view>
 
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "ibr/log.h"
 
 namespace ibr {

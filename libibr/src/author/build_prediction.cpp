@@ -14,7 +14,7 @@
 #include "author/find_movers.h"
 #include "author/machine_speed.h"
 #include "author/own_tracks.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/picture_folder.h"
 #include "author/posed_model.h"
 #include "base/check.h"

@@ -8,14 +8,14 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 #include "author/build_jobs.h"
 #include "author/matcher_choice.h"
 #include "author/mesh.h"
 #include "author/photographs.h"
 #include "author/plane_labels.h"
 #include "author/posed_model.h"
-#include "author/raster.h"
+#include "image/raster.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/accuracy.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "author/masks.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/photographs.h"
 #include "author/picture_folder.h"
 #include "base/check.h"

@@ -7,7 +7,7 @@
 #include <glm/matrix.hpp>
 #include <set>
 
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "base/check.h"
 
 namespace ibr {

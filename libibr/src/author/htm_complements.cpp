@@ -6,7 +6,7 @@
 
 #include "author/htm_adjacency.h"
 #include "author/htm_trust.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 
 namespace ibr {
 namespace {

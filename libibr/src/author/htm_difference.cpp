@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "author/bilinear.h"
-#include "author/parallel.h"
+#include "image/bilinear.h"
+#include "base/parallel.h"
 
 namespace ibr {
 

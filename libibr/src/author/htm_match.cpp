@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "author/htm_refine.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "base/check.h"
 
 namespace ibr {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 #include "author/htm_shape.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 
 namespace ibr {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 
 namespace ibr {
 

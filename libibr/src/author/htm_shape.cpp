@@ -10,7 +10,7 @@
 #include "author/cv_view.h"
 #include "author/htm_adjacency.h"
 #include "author/htm_trust.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "base/check.h"
 
 namespace ibr {

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "author/cv_view.h"
-#include "author/parallel.h"
-#include "author/raster.h"
+#include "base/parallel.h"
+#include "image/raster.h"
 
 namespace ibr {
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "author/cv_view.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 
 namespace ibr {
 namespace {

@@ -7,12 +7,12 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 #include "author/complete_depth.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/posed_model.h"
-#include "author/raster.h"
-#include "author/reprojection.h"
+#include "image/raster.h"
+#include "scene/reprojection.h"
 
 namespace ibr {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "author/match.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "base/usage.h"
 #include "scene/synthetic.h"

@@ -9,7 +9,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "author/delaunay.h"
-#include "author/raster.h"
+#include "image/raster.h"
 #include "author/vertices.h"
 
 namespace ibr {

@@ -10,7 +10,7 @@
 #include "author/aligned_cache.h"
 #include "author/kept_file.h"
 #include "author/masks.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/shared_file.h"
 #include "base/check.h"
 #include "base/file.h"

@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "author/complete_depth.h"
 #include "author/mean_frame.h"
-#include "author/raster.h"
+#include "image/raster.h"
 
 namespace ibr {
 namespace {
@@ -33,6 +34,37 @@ ImageF depthInCell(const Cell& cell, std::size_t member, const Intrinsics& store
       float& value = depth.pixel(x, y)[0];
       value = std::max(value, float(std::max(w, 0.0)));
     });
+  }
+  return depth;
+}
+
+ImageF depthInCell(const Cell& cell, std::size_t member, const Camera& photograph, const Camera& face) {
+  constexpr double kBeside = 0.05;  // cosine of the angle to the axis from which on a vertex is not before the face
+  const MorphMesh& mesh = cell.mesh;
+  const glm::dquat toFace = glm::conjugate(face.pose.rotation) * photograph.pose.rotation;
+  struct Vertex {
+    glm::dvec2 pixel{0};
+    double inverseDepth = -1;  // −1: not before the face
+  };
+  std::vector<Vertex> vertices(mesh.pointCount());
+  for (std::size_t p = 0; p < vertices.size(); ++p) {
+    const glm::dvec3 direction = toFace * unproject(photograph.intrinsics, glm::dvec2(mesh.match[member][p]));
+    const auto pixel = direction.z < -kBeside ? project(face.intrinsics, direction) : std::nullopt;
+    if (pixel)
+      vertices[p] = {*pixel, double(mesh.inverseDistance[p]) / (double(mesh.ratio[member][p]) * -direction.z)};
+  }
+  ImageF depth(face.intrinsics.width, face.intrinsics.height, 1, kUnknownDepth);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto at = [&](int k) -> const Vertex& { return vertices[mesh.triangles[t][k]]; };
+    if (mesh.tier[t] != kTierAgrees || at(0).inverseDepth < 0 || at(1).inverseDepth < 0 || at(2).inverseDepth < 0)
+      continue;
+    forPixelsIn(at(0).pixel, at(1).pixel, at(2).pixel, depth.width, depth.height,
+                [&](int x, int y, const glm::dvec3& weights) {
+                  const double w = weights.x * at(0).inverseDepth + weights.y * at(1).inverseDepth +
+                                   weights.z * at(2).inverseDepth;
+                  float& value = depth.pixel(x, y)[0];
+                  value = std::max(value, float(std::max(w, 0.0)));
+                });
   }
   return depth;
 }
@@ -72,6 +104,16 @@ ImageF depthInScene(const Scene& scene, std::uint32_t node, glm::ivec2 size) {
                                  size));
   }
   return maps.empty() ? ImageF(size.x, size.y, 1, kUnknownDepth) : medianDepth(maps);
+}
+
+ImageF depthInScene(const Scene& scene, std::uint32_t node, const Camera& face) {
+  std::vector<ImageF> maps;
+  for (const Cell& cell : scene.cells) {
+    const auto found = std::find(cell.members.begin(), cell.members.end(), node);
+    if (found != cell.members.end())
+      maps.push_back(depthInCell(cell, std::size_t(found - cell.members.begin()), scene.nodes[node].camera, face));
+  }
+  return maps.empty() ? ImageF(face.intrinsics.width, face.intrinsics.height, 1, kUnknownDepth) : medianDepth(maps);
 }
 
 ImageF depthOfPoints(const Camera& camera, std::span<const glm::dvec3> points) {

@@ -16,6 +16,10 @@ namespace ibr {
 /// 0, of all cells the median (the farther of two); kUnknownDepth where no cell has one. Precondition: a pinhole.
 ImageF depthInScene(const Scene& scene, std::uint32_t node, glm::ivec2 size);
 
+/// The same in the picture of a pinhole that stands at the photograph's place and may look any way, as a face of a
+/// panorama does. Triangles that reach behind it are left out.
+ImageF depthInScene(const Scene& scene, std::uint32_t node, const Camera& face);
+
 /// The same from points of the world that `camera` sees, in its picture's own size: of those in a pixel the median (the
 /// farther of two).
 ImageF depthOfPoints(const Camera& camera, std::span<const glm::dvec3> points);

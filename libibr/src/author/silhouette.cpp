@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "author/bilinear.h"
+#include "image/bilinear.h"
 #include "author/masks.h"
 
 namespace ibr {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/photographs.h"
 #include "base/check.h"
 #include "base/file.h"

@@ -8,7 +8,7 @@
 
 #include "author/delaunay.h"
 #include "author/plane_labels.h"
-#include "author/raster.h"
+#include "image/raster.h"
 #include "author/vertices.h"
 
 namespace ibr {

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "author/cell_cache.h"
-#include "author/parallel.h"
+#include "base/parallel.h"
 #include "author/vignetting.h"
 #include "base/file.h"
 #include "base/usage.h"

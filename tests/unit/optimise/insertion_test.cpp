@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
-#include "author/bilinear.h"
-#include "author/raster.h"
+#include "image/bilinear.h"
+#include "image/raster.h"
 #include "shared/ecc.h"
 #include "support/error_of.h"
 #include "support/mesh_checks.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/parallel.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <chrono>
