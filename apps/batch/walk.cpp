@@ -33,8 +33,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kDifferenceGain = 4;
 
-constexpr int kHolds = 4;       // places of a walk where the camera is held still …
-constexpr int kHeldFrames = 3;  // … for so many frames after all mixtures and fades are over
+constexpr std::size_t kHoldPeriod = 10;  // frames of the walk between two places where the camera is held still
+constexpr double kHoldStepSeconds = 1.0 / 30;
+// Longest time that plans are given to settle. Fades take up to four switchSeconds; exposure no longer changes a bit
+// after about 35 exposureSeconds.
+constexpr double kMaxSettleSwitches = 10, kMaxSettleExposures = 50;
+constexpr std::size_t kMinHeldFrames = 3, kMaxHeldFrames = 60;  // rendered and compared
 
 struct Options {
   std::string scene, poses, output;
@@ -114,38 +118,59 @@ class Walk {
     return eyes;
   }
 
-  bool isHeld(std::size_t i) const {
-    const std::size_t apart = std::max<std::size_t>(frames_.size() / kHolds, 1);
-    return i % apart == apart / 2;
-  }
+  static bool isHeld(std::size_t i) { return i % kHoldPeriod == 0; }
 
-  // How long what changes by itself goes on, seconds: mixtures and fades, an eye that adapts, colour tables.
-  double restlessSeconds() const {
-    double seconds = settings_.switchSeconds;
-    const bool adapts =
-        settings_.exposure == Exposure::adapted &&
-        std::ranges::any_of(scene_.nodes, [](const Node& node) { return node.gain != glm::dvec3(1.0); });
-    if (adapts) seconds = std::max(seconds, 8 * settings_.exposureSeconds);
-    if (settings_.colourMapping != ColourMapping::off)
-      seconds = std::max(seconds, settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds);
-    return seconds;
-  }
+  struct Rest {
+    PlanState state;         // when the plans of a still camera have settled
+    double seconds = 0;      // until then
+    std::size_t period = 0;  // frames after which plans repeat, 1 where they no longer change; 0: no repetition found
+  };
 
-  // The walk itself goes on as if nobody had stood still. Colour tables live on the device, so there they take frames;
-  // without them time passes in the plans alone.
-  int flickerAt(std::size_t i) {
-    constexpr double kLongestStep = 0.1;  // FrameInput::dtSeconds
-    PlanState state = state_;
-    const auto hold = [&](double seconds) { return renderer_->render(eyesOf(i), settings_, state, seconds)[0].image; };
-    for (double passed = 0; passed <= restlessSeconds(); passed += kLongestStep) {
-      if (settings_.colourMapping != ColourMapping::off)
-        hold(kLongestStep);
-      else
-        state = planFrame(scene_, bounds_, {eyesOf(i), settings_, kLongestStep}, state).next;
+  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one that
+  // is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
+  Rest settle(std::size_t i) const {
+    const FrameInput input{eyesOf(i), settings_, kHoldStepSeconds};
+    Rest rest{state_};
+    rest.state.colourAge = 0;
+    PlanState compared = rest.state;
+    const double mostSeconds =
+        kMaxSettleSwitches * settings_.switchSeconds + kMaxSettleExposures * settings_.exposureSeconds;
+    for (std::size_t since = 1, limit = 1; rest.seconds <= mostSeconds; ++since) {
+      PlanState next = planFrame(scene_, bounds_, input, rest.state).next;
+      next.colourAge = 0;  // counts frames, so that it never settles
+      if (next == rest.state)
+        rest.period = 1;
+      else if (next == compared)
+        rest.period = since;
+      if (rest.period > 0) return rest;
+      rest.state = std::move(next);
+      rest.seconds += kHoldStepSeconds;
+      if (since == limit) {
+        compared = rest.state;
+        limit *= 2;
+        since = 0;
+      }
     }
-    const Image8 still = hold(kLongestStep);
+    return rest;
+  }
+
+  // Returns the largest difference between rendered frames of a still camera after its plans have settled. The walk's
+  // own state stays as it is. Renders one period of the plans, since a frame depends on its plan alone. Colour tables
+  // live on the device, so with colour mapping every frame is rendered until the tables have settled too.
+  int flickerAt(std::size_t i) {
+    const Rest rest = settle(i);
+    PlanState state = rest.state;
+    std::size_t frames = rest.period > 0 ? std::clamp(rest.period + 1, kMinHeldFrames, kMaxHeldFrames) : kMaxHeldFrames;
+    const auto hold = [&] { return renderer_->render(eyesOf(i), settings_, state, kHoldStepSeconds)[0].image; };
+    if (settings_.colourMapping != ColourMapping::off) {
+      state = state_;
+      const double seconds = rest.seconds + settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds;
+      for (double passed = 0; passed < seconds; passed += kHoldStepSeconds) hold();
+      frames = std::max(frames, std::size_t(std::max(settings_.colourPeriod, 0)) + 1);
+    }
+    const Image8 still = hold();
     int flicker = 0;
-    for (int k = 0; k < kHeldFrames; ++k) flicker = std::max(flicker, difference(still, hold(1.0 / 30), 0).largest);
+    for (std::size_t k = 1; k < frames; ++k) flicker = std::max(flicker, difference(still, hold(), 0).largest);
     return flicker;
   }
 
@@ -211,11 +236,12 @@ const Command kWalkCommand{
         "mixture of the two orders of cells is over. What photographs see: pixels whose rays lie in the picture of "
         "one\n"
         "photograph from a near distance (a tenth of the scene's points are nearer) to infinity. -o writes the two\n"
-        "frames of the largest step, and four times their difference. At four places the camera is also held still "
-        "until\n"
-        "nothing fades any more: pictures that differ after that flicker. --pop also tells steps as FLIP, of which "
-        "the\n"
-        "largest at a switch is the pop. --stereo compares what both eyes see at the same depth.",
+        "frames of the largest step, and four times their difference. At every tenth frame the camera is also held "
+        "still\n"
+        "until nothing fades any more: pictures that differ after that flicker, and the worst place is reported. --pop\n"
+        "also tells steps as FLIP, of which the largest at a switch is the pop. --stereo compares what both eyes see "
+        "at\n"
+        "the same depth.",
     .afterInterrupt = "Nothing was reported; run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/walk_figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "shared/statistics.h"
@@ -54,7 +56,11 @@ WalkSummary summaryOf(const std::vector<WalkFrame>& frames) {
     summary.leastCoverage = std::min(summary.leastCoverage, frame.coverage);
     if (!std::isnan(frame.coverageInside)) inside.push_back(frame.coverageInside);
     for (std::size_t t = 0; t < summary.tier.size(); ++t) summary.tier[t] += frame.tier[t] / double(frames.size());
-    summary.flicker = std::max(summary.flicker, frame.flicker);
+    if (frame.flicker > summary.flicker) {
+      summary.flicker = frame.flicker;
+      summary.flickerFrame = i;
+      summary.flickerAt = frame.name;
+    }
   }
   summary.medianStep = quantile(steps, 0.5);
   summary.medianFlipStep = quantile(flipSteps, 0.5);
@@ -79,6 +85,7 @@ Json frameJson(const WalkFrame& frame) {
 }
 
 Json summaryJson(const WalkSummary& summary) {
+  const bool held = summary.flicker >= 0;
   return {{"switches", summary.switches},
           {"medianStep", summary.medianStep},
           {"largestStep", summary.largestStep},
@@ -89,7 +96,9 @@ Json summaryJson(const WalkSummary& summary) {
           {"leastCoverageInside", summary.leastCoverageInside},
           {"meanCoverageInside", summary.meanCoverageInside},
           {"coverageTier", summary.tier},
-          {"flicker", summary.flicker >= 0 ? Json(summary.flicker) : Json()},
+          {"flicker", held ? Json(summary.flicker) : Json()},
+          {"flickerAt", held ? Json(summary.flickerAt) : Json()},
+          {"flickerFrame", held ? Json(summary.flickerFrame) : Json()},
           {"eyes", std::isnan(summary.eyes.seenByBoth) ? Json() : eyesJson(summary.eyes)}};
 }
 
@@ -106,7 +115,9 @@ Table summaryTable(const WalkSummary& summary, std::size_t frames) {
   row("  / median", summary.largestStepAtSwitch / summary.medianStep, 2);
   row("median step, FLIP", summary.medianFlipStep, 4);
   row("pop: largest at a switch, FLIP", summary.pop, 4);
-  if (summary.flicker >= 0) table.row({"flicker where it holds still, levels", std::to_string(summary.flicker)});
+  if (summary.flicker >= 0) table.row({"largest flicker of a still camera, levels", std::to_string(summary.flicker)});
+  if (summary.flicker > 0)
+    table.row({"  at frame", fmt::format("{} ({})", summary.flickerFrame, summary.flickerAt)});
   row("least coverage", summary.leastCoverage, 4);
   row("least coverage where photographs see", summary.leastCoverageInside, 4);
   row("mean coverage where photographs see", summary.meanCoverageInside, 4);

@@ -38,8 +38,10 @@ struct WalkSummary {
   double medianFlipStep = NAN, pop = NAN;  // the latter: the largest FLIP step at a switch (NUMERICS §5.2)
   double leastCoverage = 1, leastCoverageInside = NAN, meanCoverageInside = NAN;
   std::array<double, kTierCount> tier{};
-  int flicker = -1;   // the largest
-  EyeAgreement eyes;  // means
+  int flicker = -1;              // the largest
+  std::size_t flickerFrame = 0;  // the first frame that has it; meaningless where none was held
+  std::string flickerAt;         // that frame's name
+  EyeAgreement eyes;             // means
 };
 
 WalkSummary summaryOf(const std::vector<WalkFrame>& frames);

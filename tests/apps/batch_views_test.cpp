@@ -360,6 +360,9 @@ TEST_CASE("walk: what flickers, pops and rivals is told") {
   const auto report = walked({"--colour", "ours", "--blend", "dither", "--pop"});
   CHECK(report.at("flicker") == 0);
   CHECK(report.at("medianFlipStep") > 0);
+  for (std::size_t i = 0; i < 24; ++i) CHECK(report.at("frames").at(i).at("flicker").is_null() == (i % 10 > 0));
+  CHECK(report.at("flickerFrame") == 0);
+  CHECK(report.at("flickerAt") == report.at("frames").at(0).at("name"));
 
   const auto eyes = walked({"--stereo", "--ipd", "0.02"}).at("eyes");
   CHECK(eyes.at("seenByBoth") > 0.5);

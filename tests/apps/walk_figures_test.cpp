@@ -18,6 +18,8 @@ TEST_CASE("a walk's pop is the largest FLIP step while cells are switched") {
   }
   frames[1].flicker = 0;
   frames[4].flicker = 3;
+  frames[4].name = "frame_0004";
+  frames[5].flicker = 3;  // the first of the worst is reported
   frames[2].eyes = EyeAgreement{0.5, 1, 2, 4};
   frames[3].eyes = EyeAgreement{0.7, 0.5, 4, 8};
   frames[5].eyes = EyeAgreement{};  // nothing that both see
@@ -32,12 +34,17 @@ TEST_CASE("a walk's pop is the largest FLIP step while cells are switched") {
   CHECK(summary.leastCoverageInside == 0.8);
   CHECK(summary.meanCoverageInside == Approx(4.8 / 5));
   CHECK(summary.flicker == 3);
+  CHECK(summary.flickerFrame == 4);
+  CHECK(summary.flickerAt == "frame_0004");
+  CHECK(summaryJson(summary).at("flickerAt") == "frame_0004");
+  CHECK(summaryJson(summary).at("flickerFrame") == 4);
   CHECK(summary.eyes.seenByBoth == Approx(0.4));
   CHECK(summary.eyes.sameCell == Approx(0.75));
   CHECK(summary.eyes.difference == Approx(3));
   CHECK(summary.eyes.difference95 == Approx(6));
   const std::string table = summaryTable(summary, frames.size()).text();
-  CHECK_THAT(table, Catch::Contains("pop") && Catch::Contains("0.0400") && Catch::Contains("flicker"));
+  CHECK_THAT(table, Catch::Contains("pop") && Catch::Contains("0.0400") && Catch::Contains("flicker") &&
+                         Catch::Contains("4 (frame_0004)"));
 }
 
 TEST_CASE("what a walk did not measure is null, and has no row") {
@@ -46,6 +53,8 @@ TEST_CASE("what a walk did not measure is null, and has no row") {
   for (const char* name : {"pop", "medianStep", "medianFlipStep", "largestStepAtSwitch", "coverageInside"})
     if (json.contains(name)) CHECK(nlohmann::ordered_json::parse(json.dump()).at(name).is_null());
   CHECK(json.at("flicker").is_null());
+  CHECK(json.at("flickerAt").is_null());
+  CHECK(json.at("flickerFrame").is_null());
   CHECK(json.at("eyes").is_null());
   CHECK_THAT(summaryTable(summary, 1).text(), !Catch::Contains("pop") && !Catch::Contains("nan") &&
                                                   !Catch::Contains("flicker") && !Catch::Contains("eyes"));

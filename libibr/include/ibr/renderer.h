@@ -267,6 +267,7 @@ struct PlanState {
   std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
   double colourFade = 0;                  // seconds until the main cell's table is the identity
   int colourAge = 0;                      // frames since colours were counted
+  bool operator==(const PlanState&) const = default;
 };
 
 /// A cell that is drawn besides, because it had this place a moment ago.
