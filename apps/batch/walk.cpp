@@ -35,9 +35,9 @@ constexpr int kDifferenceGain = 4;
 
 constexpr std::size_t kHoldPeriod = 10;  // frames of the walk between two places where the camera is held still
 constexpr double kHoldStepSeconds = 1.0 / 30;
-// Longest time that plans are given to settle. Fades take up to four switchSeconds; exposure no longer changes a bit
-// after about 35 exposureSeconds.
-constexpr double kMaxSettleSwitches = 10, kMaxSettleExposures = 50;
+// Longest time that plans are given to settle. Backdrops that leave, come and leave again do so one after the other, so
+// that fades take up to four switchSeconds.
+constexpr double kMaxSettleSwitches = 10, kMinSettleSeconds = 1;
 constexpr std::size_t kMinHeldFrames = 3, kMaxHeldFrames = 60;  // rendered and compared
 
 struct Options {
@@ -120,6 +120,13 @@ class Walk {
 
   static bool isHeld(std::size_t i) { return i % kHoldPeriod == 0; }
 
+  // Exposure is adapted at once: it approaches its target for ever, by less and less.
+  RenderSettings heldSettings() const {
+    RenderSettings held = settings_;
+    held.exposureSeconds = 0;
+    return held;
+  }
+
   struct Rest {
     PlanState state;         // when the plans of a still camera have settled
     double seconds = 0;      // until then
@@ -129,13 +136,12 @@ class Walk {
   // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one that
   // is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
   Rest settle(std::size_t i) const {
-    const FrameInput input{eyesOf(i), settings_, kHoldStepSeconds};
+    const FrameInput input{eyesOf(i), heldSettings(), kHoldStepSeconds};
     Rest rest{state_};
     rest.state.colourAge = 0;
     PlanState compared = rest.state;
-    const double mostSeconds =
-        kMaxSettleSwitches * settings_.switchSeconds + kMaxSettleExposures * settings_.exposureSeconds;
-    for (std::size_t since = 1, limit = 1; rest.seconds <= mostSeconds; ++since) {
+    const double maxSeconds = std::max(kMaxSettleSwitches * settings_.switchSeconds, kMinSettleSeconds);
+    for (std::size_t since = 1, limit = 1; rest.seconds <= maxSeconds; ++since) {
       PlanState next = planFrame(scene_, bounds_, input, rest.state).next;
       next.colourAge = 0;  // counts frames, so that it never settles
       if (next == rest.state)
@@ -161,7 +167,7 @@ class Walk {
     const Rest rest = settle(i);
     PlanState state = rest.state;
     std::size_t frames = rest.period > 0 ? std::clamp(rest.period + 1, kMinHeldFrames, kMaxHeldFrames) : kMaxHeldFrames;
-    const auto hold = [&] { return renderer_->render(eyesOf(i), settings_, state, kHoldStepSeconds)[0].image; };
+    const auto hold = [&] { return renderer_->render(eyesOf(i), heldSettings(), state, kHoldStepSeconds)[0].image; };
     if (settings_.colourMapping != ColourMapping::off) {
       state = state_;
       const double seconds = rest.seconds + settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds;
