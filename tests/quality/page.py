@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Markdown page quality.md: a table of each kind of figure, with one line a set. Columns without any figure are
+left away."""
+from figures import added, is_number, largest_loss, summary
+
+
+def text_of(value, decimals, factor=1):
+    return f"{factor * value:.{decimals}f}" if is_number(value) else "–"
+
+
+def signed(change):
+    """A change with its sign, and no "-0.00"."""
+    return f"{round(change, 2) + 0.0:+.2f}" if is_number(change) else ""
+
+
+def pair(scores, decimals=(2, 3)):
+    """PSNR / SSIM; empty where there is none."""
+    if not scores or not is_number(scores.get("psnr")):
+        return ""
+    return f"{text_of(scores['psnr'], decimals[0])} / {text_of(scores.get('ssim'), decimals[1])}"
+
+
+def table(head, rows):
+    """Markdown; without columns that are empty."""
+    kept = [i for i in range(len(head)) if i == 0 or any(row[i] != "" for row in rows)]
+    lines = [[line[i] for i in kept] for line in (head, ["---"] * len(head), *rows)]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def both(columns, key, decimals, factor=1):
+    """A figure of ours and of the reference composer: "now · gathered"; empty where neither has it."""
+    values = [columns.get(column, {}).get("mean", {}).get(key) for column in ("now", "gathered")]
+    if not any(is_number(value) for value in values):
+        return ""
+    return " · ".join(text_of(value, decimals, factor) for value in values)
+
+
+def views_table(summaries, former, former_name):
+    rows = []
+    for name, columns in summaries.items():
+        old = former.get(name, {})
+        means = {column: of["mean"] for column, of in columns.items()}
+        change = added(means.get("now", {}).get("psnr"), -value) \
+            if is_number(value := old.get("now", {}).get("mean", {}).get("psnr")) else None
+        rows.append([name, len(columns.get("now", {}).get("views", {})), pair(old.get("now", {}).get("mean")),
+                     pair(old.get("lumigraph", {}).get("mean")), pair(means.get("now")), pair(means.get("gathered")),
+                     pair(means.get("lumigraph")), signed(change)])
+    return table(["PSNR dB / SSIM", "views", former_name, "its lumigraph", "now", "gathered", "lumigraph now",
+                  f"now − {former_name}, dB"], rows)
+
+
+def detail_table(summaries):
+    rows = [[name, both(columns, "psnrGain", 2), both(columns, "flip", 3), both(columns, "detailEnergy", 2),
+             both(columns, "detailCorrelation", 3), both(columns, "tornTiles", 1, 100),
+             both(columns, "guessed", 1, 100)]
+            for name, columns in summaries.items()]
+    return table(["now · gathered", "PSNR after gain, dB", "FLIP", "detail energy", "detail correlation",
+                  "torn tiles, %", "depth guessed, %"], rows)
+
+
+def worst_text(columns, column):
+    if column not in columns:
+        return ""
+    worst = columns[column]["worst"]
+    return f"{worst} {pair(columns[column]['views'][worst], (1, 2))}"
+
+
+def cost_table(summaries, results, former, former_name):
+    rows = []
+    for name, result in results.items():
+        columns, build = summaries.get(name, {}), result["build"]
+        loss = largest_loss(former.get(name, {}).get("now", {}).get("views", {}),
+                            columns.get("now", {}).get("views", {}))
+        rows.append([name, worst_text(columns, "now"), worst_text(columns, "gathered"),
+                     f"{loss[0]} {signed(loss[1])}" if loss else "", text_of(build["cpuSecondsPerMegapixel"], 1),
+                     both(columns, "milliseconds", 0)])
+    return table(["worst views, PSNR dB / SSIM", "now", "gathered", f"least gain on {former_name}, dB",
+                  "build, CPU s/MP", "ms a frame, now · gathered"], rows)
+
+
+def depth_table(summaries):
+    keys = ("rightDepth", "tooFar", "tooNear")
+    rows = [[name, *(both(columns, key, 3) for key in keys)] for name, columns in summaries.items()
+            if any(both(columns, key, 3) for key in keys)]
+    return table(["depth, now · gathered", "right to 1 px at 0.3 m", "too far", "too near"], rows) if rows else ""
+
+
+def markdown(results, former, about):
+    """`former` is of freeze(): its figures have the first columns."""
+    former_sets, former_name = former.get("sets", {}), former.get("program", "former")
+    summaries = {name: columns for name, result in results.items() if (columns := summary(result))}
+    devices = sorted({result["device"] for result in results.values() if result.get("device")})
+    parts = ["# Whole views of photographs that are left out", "",
+             f"Program {about['program']['hash']} ({about['program']['describe']}), configuration "
+             f"{about['configuration']}, on {', '.join(devices) or 'no device'}. “gathered” is the reference "
+             "composer. Cells are empty where a figure was not measured.", "",
+             views_table(summaries, former_sets, former_name), "", detail_table(summaries), "",
+             cost_table(summaries, results, former_sets, former_name)]
+    if depth := depth_table(summaries):
+        parts += ["", depth]
+    pictures = [name for name, result in results.items() if not result["views"]]
+    if pictures:
+        parts += ["", f"Pictures only: {', '.join(pictures)}."]
+    if former_sets and former["configuration"] != about["configuration"]:
+        parts += ["", f"Figures of {former_name} were measured with another configuration, {former['configuration']}."]
+    for name, why in about["failed"].items():
+        parts += ["", f"{name} failed: {why}"]
+    return "\n".join(parts) + "\n"
