@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pages that name tests against the tests there are.
 
-A row `| T4 | … | tests |` of apps/docs/numerics.md or promises.md names, in backquotes in its last column, every test case
+A row `| T4 | … | tests |` of libibr/docs/numerics.md or promises.md names, in backquotes in its last column, every test case
 that has the tag [T4], and no other. With --write the last columns are filled in from the tags.
 """
 import pathlib
@@ -39,7 +39,7 @@ def column(cases):
 def main():
     found, faults = tests(), []
     for page, ids in PAGES.items():
-        path = ROOT / "apps/docs" / page
+        path = ROOT / "libibr/docs" / page
         seen, lines = [], []
         for line in path.read_text(encoding="utf-8").splitlines():
             row = ROW.match(line)

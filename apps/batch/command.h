@@ -5,8 +5,8 @@
 #include <functional>
 #include <span>
 
-#include "shared/context.h"
-#include "shared/exit_code.h"
+#include "shared/cli/context.h"
+#include "shared/cli/exit_code.h"
 
 namespace CLI {
 class App;

@@ -8,8 +8,8 @@
 
 #include "batch/command.h"
 #include "ibr/error.h"
-#include "shared/options.h"
-#include "shared/signals.h"
+#include "shared/cli/options.h"
+#include "shared/cli/signals.h"
 
 namespace ibr::app {
 namespace {

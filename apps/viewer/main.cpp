@@ -12,14 +12,14 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/error.h"
-#include "shared/context.h"
-#include "shared/exit_code.h"
-#include "shared/folders.h"
-#include "shared/options.h"
-#include "shared/settings.h"
-#include "shared/statistics.h"
-#include "viewer/screenshot.h"
-#include "viewer/session.h"
+#include "shared/cli/context.h"
+#include "shared/cli/exit_code.h"
+#include "shared/cli/folders.h"
+#include "shared/cli/options.h"
+#include "shared/cli/settings.h"
+#include "shared/report/statistics.h"
+#include "viewer/control/screenshot.h"
+#include "viewer/viewer_session.h"
 
 namespace fs = std::filesystem;
 
@@ -93,7 +93,7 @@ void showPlaces(Window& window, Interface& interface, Viewer& viewer, const Sess
 }
 
 // Of what the view is made; null where that is not known. What is infinite is null too.
-nlohmann::ordered_json trustJson(const Place& place) {
+nlohmann::ordered_json trustJson(const OpenItem& place) {
   if (!place.trust) return {};
   return {{"tiers", place.trust->tiers},
           {"depthError", place.trust->depthError},
@@ -101,7 +101,7 @@ nlohmann::ordered_json trustJson(const Place& place) {
 }
 
 // What was measured of presets; infinite where a picture is the reference's own, which is null.
-nlohmann::ordered_json effectsJson(const Place& place) {
+nlohmann::ordered_json effectsJson(const OpenItem& place) {
   nlohmann::ordered_json lines = nlohmann::ordered_json::object();
   if (place.effects)
     for (const Effect& line : place.effects->lines)

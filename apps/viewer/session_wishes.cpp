@@ -7,17 +7,17 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "shared/view_text.h"
-#include "viewer/job_plans.h"
-#include "viewer/screenshot.h"
-#include "viewer/session.h"
+#include "shared/camera/view_text.h"
+#include "viewer/control/job_plans.h"
+#include "viewer/control/screenshot.h"
+#include "viewer/viewer_session.h"
 
 namespace fs = std::filesystem;
 
 namespace ibr::app {
 
 void Session::grantWishes() {
-  Place* place = viewer_.place();
+  OpenItem* place = viewer_.place();
   const auto wished = [](bool& wish) { return std::exchange(wish, false); };
   const bool copies = wished(viewer_.wantsCopy), pastes = wished(viewer_.wantsPaste);
   const bool saves = wished(viewer_.wantsRoute), films = wished(viewer_.wantsVideo);
@@ -39,7 +39,7 @@ void Session::grantWishes() {
 }
 
 void Session::paste() {
-  Place* place = viewer_.place();
+  OpenItem* place = viewer_.place();
   if (!place) return;
   const std::string text = window_.clipboard();
   if (text.find('{') == std::string::npos)
@@ -54,7 +54,7 @@ void Session::paste() {
 }
 
 fs::path Session::saveRoute() {
-  Place* place = viewer_.place();
+  OpenItem* place = viewer_.place();
   if (!place || place->route.keys.empty()) {
     viewer_.show("There is no path yet: K puts a key of it where the view is");
     return {};
@@ -75,7 +75,7 @@ void Session::makeVideo() {
 }
 
 void Session::takeScreenshot(const fs::path& file) {
-  Place* place = viewer_.place();
+  OpenItem* place = viewer_.place();
   check(place && picture_, ErrorCode::invalidInput, "{}: nothing is open to take a picture of", file.string());
   vkDeviceWaitIdle(device_.handle());
   const VkExtent2D extent = picture_->target().extent;
@@ -87,7 +87,7 @@ void Session::takeScreenshot(const fs::path& file) {
 // What was asked about the place, and what is to be known of a view that stands. After its frame has been submitted:
 // what that streams is there then.
 void Session::findOut() {
-  Place* place = viewer_.place();
+  OpenItem* place = viewer_.place();
   PlaceOnDevice* drawn = place ? drawnPlace() : nullptr;
   if (!drawn || !picture_) return;
   const VkExtent2D extent = picture_->target().extent;

@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "base/check.h"
-#include "shared/exit_code.h"
-#include "shared/folders.h"
-#include "shared/options.h"
-#include "shared/settings.h"
-#include "shared/signals.h"
-#include "vr/show.h"
+#include "shared/cli/exit_code.h"
+#include "shared/cli/folders.h"
+#include "shared/cli/options.h"
+#include "shared/cli/settings.h"
+#include "shared/cli/signals.h"
+#include "vr/show/show.h"
 
 namespace fs = std::filesystem;
 

@@ -8,7 +8,7 @@
 #include <array>
 
 #include "base/check.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/submit.h"
 
 namespace ibr::app {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "gpu/handle.h"
+#include "gpu/device/handle.h"
 #include "ibr/device.h"
 #include "ibr/target.h"
 

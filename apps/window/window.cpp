@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "gpu/vulkan.h"
+#include "gpu/device/vulkan.h"
 
 namespace ibr::app {
 namespace {

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// Canvas depth → the caller's: rank and depth inside a mesh are told apart (render/cell_pass.h), and the inverse distance
+// Canvas depth → the caller's: rank and depth inside a mesh are told apart (render/passes/cell_pass.h), and the inverse distance
 // goes through the caller's projection, which is linear in it: depth = offset + slope / z.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/hidden_area.h"

@@ -14,7 +14,7 @@
 #include <numbers>
 #include <vector>
 
-#include "gpu/scope.h"
+#include "gpu/draw/scope.h"
 #include "ibr/htm.h"
 #include "ibr/offscreen.h"
 #include "support/bumpy_model.h"

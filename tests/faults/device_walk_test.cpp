@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cstdio>
 
-#include "gpu/submit.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/htm.h"
 #include "ibr/optimiser.h"
 #include "ibr/template_search_pass.h"
@@ -23,7 +23,7 @@ Device newDevice() {
   return Device::create({.validation = true, .log = testLog()});
 }
 
-/// Says how many calls failed (apps/docs/faults.md), with --success too.
+/// Says how many calls failed (libibr/docs/faults.md), with --success too.
 void tell(const char* what, WalkedFaults walked) {
   std::printf("%s: %d calls failed, %d made good\n", what, walked.failures, walked.madeGood);
 }

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "apps/run_program.h"
-#include "apps/tiny_scene.h"
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "support/temporary_folder.h"
 

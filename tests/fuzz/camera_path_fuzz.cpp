@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_target.h"
-#include "shared/camera_path.h"
+#include "shared/camera/camera_path.h"
 
 using namespace ibr;
 using namespace ibr::test;

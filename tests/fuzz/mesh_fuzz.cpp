@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangles from PLY, OBJ and glTF.
-#include "author/triangle_mesh_file.h"
+#include "author/surface/triangle_mesh_file.h"
 #include "fuzz_target.h"
 
 using namespace ibr;

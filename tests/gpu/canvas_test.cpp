@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/canvas.h"
+#include "gpu/draw/canvas.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -7,12 +7,12 @@
 #include <numeric>
 
 #include "command_buffers.h"
-#include "gpu/barrier.h"
-#include "gpu/descriptors.h"
-#include "gpu/pipeline.h"
-#include "gpu/readback.h"
-#include "gpu/submit.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_scale_comp.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gpu/scope.h"
+#include "gpu/draw/scope.h"
 
 #include <catch2/catch.hpp>
 
-#include "gpu/barrier.h"
-#include "gpu/buffer.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/buffer.h"
+#include "gpu/transfer/submit.h"
 #include "support/gpu.h"
 #include "test_picture.h"
 

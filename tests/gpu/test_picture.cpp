@@ -3,11 +3,11 @@
 
 #include <span>
 
-#include "gpu/barrier.h"
-#include "gpu/descriptors.h"
-#include "gpu/pipeline.h"
-#include "gpu/rendering.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/draw/rendering.h"
+#include "gpu/transfer/upload.h"
 #include "ibr/offscreen.h"
 #include "shaders/test_coloured_frag.h"
 #include "shaders/test_coloured_vert.h"

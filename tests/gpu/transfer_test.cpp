@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "command_buffers.h"
-#include "gpu/barrier.h"
-#include "gpu/readback.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/upload.h"
 #include "support/gpu.h"
 
 using namespace ibr;

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "command_buffers.h"
-#include "gpu/barrier.h"
-#include "gpu/buffer.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/buffer.h"
+#include "gpu/transfer/submit.h"
 #include "support/gpu.h"
 
 using namespace ibr;

@@ -2,7 +2,7 @@
 // The optimiser on a device against the processor's way: the same mesh, sums and counts, bit for bit.
 #include <catch2/catch.hpp>
 
-#include "gpu/submit.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/ecc_pass.h"
 #include "ibr/optimiser.h"
 #include "optimise/mover.h"

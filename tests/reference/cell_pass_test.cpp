@@ -2,7 +2,7 @@
 // The GPU's picture against the double-precision twin.
 #include <algorithm>
 
-#include "reference/compare.h"
+#include "reference/compare_pictures.h"
 
 using namespace ibr;
 using namespace ibr::test;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colour mapping of whole frames ([T] §2.5.3): our tables against the paper's and against the twin, planted exposures,
 // and what a still camera shows.
-#include "render/colour_map_pass.h"
+#include "render/passes/colour_map_pass.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 
-#include "gpu/readback.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
 #include "image/blue_noise.h"
 #include "reference/colour_reference.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ibr/image.h"
-#include "render/colour_table.h"
+#include "render/plan/colour_table.h"
 
 namespace ibr::reference {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tables made on the device against their twin, bit for bit, and how they move from frame to frame.
-#include "render/colour_tables.h"
+#include "render/passes/colour_tables.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -8,11 +8,11 @@
 #include <cstring>
 #include <random>
 
-#include "gpu/barrier.h"
-#include "gpu/gpu_image.h"
-#include "gpu/readback.h"
-#include "gpu/submit.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
+#include "gpu/transfer/upload.h"
 #include "image/blue_noise.h"
 #include "reference/colour_reference.h"
 #include "shared/cell.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "gpu/gpu_image.h"
-#include "gpu/readback.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/transfer/readback.h"
 #include "reference/stage.h"
 #include "support/gpu.h"
 

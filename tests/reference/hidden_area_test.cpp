@@ -4,9 +4,9 @@
 #include <cstring>
 #include <limits>
 
-#include "gpu/gpu_image.h"
-#include "gpu/multiview.h"
-#include "gpu/readback.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/draw/multiview.h"
+#include "gpu/transfer/readback.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
 #include "support/error_of.h"

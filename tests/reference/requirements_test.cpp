@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/file.h"
-#include "gpu/multiview.h"
+#include "gpu/draw/multiview.h"
 #include "ibr/requirements.h"
 #include "reference/stage.h"
 #include "shared/colour_map.h"

@@ -8,7 +8,7 @@
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
 #include "image/mips.h"
-#include "scene/synthetic.h"
+#include "scene/synth/synthetic.h"
 
 namespace ibr::test {
 

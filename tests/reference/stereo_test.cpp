@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "gpu/barrier.h"
-#include "gpu/gpu_image.h"
-#include "gpu/multiview.h"
-#include "gpu/readback.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/draw/multiview.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
-#include "reference/compare.h"
+#include "reference/compare_pictures.h"
 #include "reference/stage.h"
 #include "support/gpu.h"
 

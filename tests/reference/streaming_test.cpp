@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "gpu/submit.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/error.h"
 #include "reference/stage.h"
-#include "render/gpu_scene.h"
+#include "render/resident/gpu_scene_state.h"
 #include "support/gpu.h"
 
 using namespace ibr;

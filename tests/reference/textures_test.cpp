@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "gpu/barrier.h"
-#include "gpu/readback.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
-#include "reference/compare.h"
+#include "reference/compare_pictures.h"
 #include "reference/stage.h"
-#include "render/pages.h"
-#include "render/photograph_stream.h"
+#include "render/resident/pages.h"
+#include "render/resident/photograph_stream.h"
 #include "scene/memory_demand.h"
 #include "support/gpu.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // P6: what a picture of a cell differs by when the world's origin is far away, for cells of a millimetre to ten
-// kilometres. With IBR_PRINT_FIGURES the table of apps/docs/numerics.md is printed.
+// kilometres. With IBR_PRINT_FIGURES the table of libibr/docs/numerics.md is printed.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is read from SPIR-V, what counts as another interface, and words that are no SPIR-V.
-#include "gpu/spirv_interface.h"
+#include "gpu/draw/spirv_interface.h"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -15,7 +15,7 @@
 using namespace ibr;
 using namespace ibr::test;
 using Catch::Matchers::Contains;
-using Place = SpirvInterface::Place;
+using InterfaceSlot = SpirvInterface::InterfaceSlot;
 
 namespace {
 

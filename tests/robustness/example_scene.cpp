@@ -6,7 +6,7 @@
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
-#include "scene/synthetic.h"
+#include "scene/synth/synthetic.h"
 
 namespace fs = std::filesystem;
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tradeoff_page.py tradeoff.py OUT PLACE: apps/docs/tradeoff.py, on a copy of the report in OUT/PLACE/report, writes
+"""tradeoff_page.py tradeoff.py OUT PLACE: libibr/docs/tradeoff.py, on a copy of the report in OUT/PLACE/report, writes
 what was measured, says by its exit code where a preset is beaten, and writes no path of a machine and no large picture.
 Exit code 77 where there is no report, as there is no device.
 """

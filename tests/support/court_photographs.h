@@ -10,7 +10,7 @@
 
 #include "ibr/author.h"
 #include "io/image_file.h"
-#include "scene/court.h"
+#include "scene/synth/court.h"
 #include "support/temporary_folder.h"
 
 namespace ibr::test {

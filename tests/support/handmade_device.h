@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "gpu/validation.h"
+#include "gpu/device/validation.h"
 #include "ibr/device.h"
 
 namespace ibr::test {

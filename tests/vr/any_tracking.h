@@ -7,7 +7,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "vr/tracking.h"
+#include "vr/walk/tracking.h"
 
 namespace ibr::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The governor on simulated devices: what a frame costs at each level is a model's, noise is a fixed generator's.
-#include "vr/governor.h"
+#include "vr/walk/governor.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/groups.h"
+#include "vr/walk/groups.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/kept_scales.h"
+#include "vr/walk/kept_scales.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>

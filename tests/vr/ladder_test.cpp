@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "vr/governor.h"
+#include "vr/walk/governor.h"
 
 using namespace ibr;
 using namespace ibr::app;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/locomotion.h"
+#include "vr/walk/locomotion.h"
 
 #include <catch2/catch.hpp>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The menu's panel in a layer's image: the same values in every format, and what a person sees change.
-#include "vr/menu_drawer.h"
+#include "vr/menu/menu_drawer.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "io/image_file.h"
 #include "menu_hand.h"
 #include "support/gpu.h"
-#include "vr/menu_sheet.h"
+#include "vr/menu/menu_sheet.h"
 
 using namespace ibr;
 using namespace ibr::app;

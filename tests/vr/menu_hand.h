@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "vr/menu_panel.h"
+#include "vr/menu/menu_panel.h"
 
 namespace ibr::test {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The window beside the headset: the eye's very values, all of them, in the middle.
-#include "vr/mirror.h"
+#include "vr/menu/mirror.h"
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <utility>
 
-#include "gpu/barrier.h"
-#include "gpu/buffer.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/buffer.h"
+#include "gpu/transfer/submit.h"
 #include "ibr/error.h"
 #include "ibr/offscreen.h"
 #include "support/gpu.h"

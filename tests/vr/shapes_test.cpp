@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/shapes.h"
+#include "vr/walk/shapes.h"
 
 #include <algorithm>
 #include <array>

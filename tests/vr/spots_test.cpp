@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/spots.h"
+#include "vr/walk/spots.h"
 
 #include <catch2/catch.hpp>
 #include <glm/gtc/constants.hpp>

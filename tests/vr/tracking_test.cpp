@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vr/tracking.h"
+#include "vr/walk/tracking.h"
 
 #include <catch2/catch.hpp>
 #include <glm/gtc/constants.hpp>

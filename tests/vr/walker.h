@@ -6,7 +6,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "any_tracking.h"
-#include "vr/locomotion.h"
+#include "vr/walk/locomotion.h"
 
 namespace ibr::test {
 

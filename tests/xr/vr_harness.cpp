@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "io/image_file.h"
-#include "shared/picture_record.h"
+#include "shared/draw/picture_record.h"
 
 namespace fs = std::filesystem;
 

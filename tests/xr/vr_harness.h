@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/tiny_scene.h"
+#include "apps/support/tiny_scene.h"
 #include "ibr/camera.h"
 #include "xr_setup.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The menu of ibr-vr by a scripted hand.
 #include "io/image_file.h"
-#include "vr/spots.h"
+#include "vr/walk/spots.h"
 #include "vr_menu_user.h"
 
 namespace fs = std::filesystem;

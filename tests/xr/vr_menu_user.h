@@ -3,7 +3,7 @@
 // says that it is, and its parts are where the same panel without a headset has them.
 #pragma once
 
-#include "vr/menu_panel.h"
+#include "vr/menu/menu_panel.h"
 #include "vr_harness.h"
 
 namespace ibr::test {

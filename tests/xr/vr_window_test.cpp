@@ -4,8 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 
-#include "apps/virtual_display.h"
-#include "apps/x11_window.h"
+#include "apps/support/virtual_display.h"
+#include "apps/support/x11_window.h"
 #include "io/image_file.h"
 #include "vr_harness.h"
 

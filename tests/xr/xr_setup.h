@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/run_program.h"
+#include "apps/support/run_program.h"
 #include "ibr/image.h"
 #include "remote_headset.h"
 #include "support/temporary_folder.h"

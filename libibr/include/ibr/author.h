@@ -90,7 +90,7 @@ struct PoseOptions {
   std::filesystem::path without;      // pictures below this folder are not meant; may be empty
   std::vector<std::string> exclude = {};  // names that are not meant either
   Orientation orientation = Orientation::automatic;  // turned upright, as EXIF says, unless it is `stored`
-  std::filesystem::path masks = {};   // folder of masks (author/masks.h): no features are looked for under them
+  std::filesystem::path masks = {};   // folder of masks (author/photographs/masks.h): no features are looked for under them
 };
 struct PoseReport {
   std::filesystem::path model;  // folder of the model, the largest where there are several
@@ -163,7 +163,7 @@ struct BuildOptions {
   std::vector<std::string> exclude;   // image names left out (held out for evaluation); files the model lacks may be there
   Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
-  std::filesystem::path masks;  // folder of masks (author/masks.h): what is 0 there is neither matched nor shown
+  std::filesystem::path masks;  // folder of masks (author/photographs/masks.h): what is 0 there is neither matched nor shown
   bool matchExposures = true;   // photographs get gains (Node::gain), measured by what they show of the same places
   bool fitVignetting = false;   // what lenses take from corners is measured as well, and stored photographs are without
   bool refinePoses = false;     // mended where points confirm it (ibr/pose_refinement.h); ".refined" has the model then

@@ -164,7 +164,7 @@ class HtmRenderer {
   /// camera shows it, else 0 with the background's colour. Bound pipelines, sets, push constants, viewport and scissor
   /// are lost. The target goes from `before` to `after`. Nothing is submitted, waited for or allocated; a command
   /// buffer that is never submitted does no harm. Frames are submitted in order on the device's queue. `timer`
-  /// (gpu/scope.h) gets the scopes "coordinates" (eq. 6; of vertexColours: the colours) and "rasterisation".
+  /// (gpu/draw/scope.h) gets the scopes "coordinates" (eq. 6; of vertexColours: the colours) and "rasterisation".
   void record(VkCommandBuffer commandBuffer, const HtmFramePlan& plan, const Target& target,
               ScopeTimer* timer = nullptr) const noexcept;
 

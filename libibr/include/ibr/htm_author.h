@@ -23,18 +23,18 @@ struct HtmOptions {
   double inconsistentSize = 4;   // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
   double inconsistentDifference = 12;  // of faces that are inconsistent
   double inconsistentShare = 0.1;     // of the faces: at most so many collapses
-  // Beyond [H]: cameras first settle on what they agree on (author/htm_consensus.h, author/htm_adjust.h), …
+  // Beyond [H]: cameras first settle on what they agree on (author/htm/htm_consensus.h, author/htm/htm_adjust.h), …
   int adjustRounds = 4;           // 0: cameras and shape are taken as they are, as [H] does
   double adjustSmoothness = 100;  // 1 / px², of offsets between neighbours
-  bool reshape = true;            // … and vertices move there, too (author/htm_shape.h)
+  bool reshape = true;            // … and vertices move there, too (author/htm/htm_shape.h)
   double shapeSmoothness = 1;     // 1 / px²
   // Algs 3 to 5
   TemplateMeasure measure = TemplateMeasure::absoluteDifferences;
   double radius = 16;       // px that are searched around each vertex, …
   double laterRadius = 6;   // … and where cameras are adjusted or an earlier round has said where
   double leastTexture = 2;  // levels per px: less in a direction, and nothing is displaced in it
-  double smoothness = 10;   // 1 / px², of complements between neighbours (author/htm_complements.h); 0: as matched
-  double complementPx = 0.5;  // how long complements are expected to be (author/htm_complements.h); 0: anything
+  double smoothness = 10;   // 1 / px², of complements between neighbours (author/htm/htm_complements.h); 0: as matched
+  double complementPx = 0.5;  // how long complements are expected to be (author/htm/htm_complements.h); 0: anything
   double outlierPx = 2;
   double alpha = 0.3, gamma1 = 10;  // of eqs 2 and 3
   // Algs 2, 6 and 7
@@ -44,7 +44,7 @@ struct HtmOptions {
   bool selfOccluded = true;     // and so are those that are partly hidden
   double leastFacePx = 250;     // px² in its best camera: smaller faces are not divided
   std::size_t mostFaces = 20000;  // no further round begins beyond it
-  // Cameras that do not agree on a vertex have no part in it (author/htm_reject.h).
+  // Cameras that do not agree on a vertex have no part in it (author/htm/htm_reject.h).
   bool reject = true;
   double rejectDifference = 45;    // levels, [H] eq. 1
   double rejectCorrelation = 0.2;  // below it

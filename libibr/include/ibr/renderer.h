@@ -181,7 +181,7 @@ struct CellBounds {
   };
   struct Anchor {                 // a place of a photograph, as tier 0 shows it
     std::uint32_t photograph = 0;  // node
-    std::uint32_t place = 0;       // on a grid over it (render/anchors.h)
+    std::uint32_t place = 0;       // on a grid over it (render/plan/anchors.h)
     Corner point;
   };
   std::vector<Member> members;       // as Cell::members
@@ -192,7 +192,7 @@ struct CellBounds {
   float nearInverseDistance = 0;     // … and a tenth nearer than this
   double size = 0;                   // longest edge of the simplex, world units
 };
-class AnchorsOnDemand;  // render/anchors.h
+class AnchorsOnDemand;  // render/plan/anchors.h
 struct SceneBounds {
   std::vector<CellBounds> cells, backdrops;  // as those of the scene
   std::shared_ptr<AnchorsOnDemand> anchors;  // made by the first frame that is planned with RenderSettings::alignCells
@@ -366,7 +366,7 @@ class Renderer {
   /// descriptor sets, viewport and scissor are lost. Targets go from `before` to `after`. Nothing is submitted, waited
   /// for or allocated; a command buffer that is never submitted does no harm. Frames are submitted in order on the
   /// device's queue.
-  /// `timer` (gpu/scope.h) gets a scope for each pass: labels in captures, and times.
+  /// `timer` (gpu/draw/scope.h) gets a scope for each pass: labels in captures, and times.
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, std::span<const Target> targets,
               ScopeTimer* timer = nullptr) const noexcept;
   void record(VkCommandBuffer commandBuffer, const FramePlan& plan, const Target& target) const noexcept {

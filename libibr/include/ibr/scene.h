@@ -27,7 +27,7 @@ struct Node {
   std::filesystem::path textureFile;  // baked KTX2, relative to the scene's folder; same size as the photograph
   CaptureFacts capture = {};          // as the camera wrote it down
   /// Red, green, blue: the photograph times this, in linear light, is as bright and as white as the others are
-  /// (author/exposure.h). 1 where it is not known; 1 / kLargestGain to kLargestGain.
+  /// (author/exposure/exposure.h). 1 where it is not known; 1 / kLargestGain to kLargestGain.
   glm::dvec3 gain{1.0};
   /// Grey PNG of the photograph's size, 0 where it is not to be shown: people who passed by. Relative to the scene's
   /// folder; empty: all of it is. It is also the texture's alpha, which is what renders: not of TextureFormat::bc1.
@@ -74,7 +74,7 @@ struct CellQuality {
   double coverage;    // 0 to 1: share of the members' mean picture under tier-0 triangles
   double ecc;         // -1 to 1: area-weighted mean of MorphMesh::ecc over tier 0
   double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point
-  double score;       // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/choose_cells.h)
+  double score;       // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/graph/choose_cells.h)
   CellQuality();
 };
 

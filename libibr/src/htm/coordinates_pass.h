@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 #include <limits>
 
-#include "gpu/handle.h"
+#include "gpu/device/handle.h"
 #include "htm/frame_set.h"
 
 namespace ibr {

@@ -3,11 +3,11 @@
 
 #include <array>
 
-#include "gpu/barrier.h"
-#include "gpu/descriptors.h"
-#include "gpu/pipeline.h"
-#include "gpu/rendering.h"
-#include "gpu/submit.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/draw/rendering.h"
+#include "gpu/transfer/submit.h"
 #include "htm/gpu_model.h"
 #include "htm/projection.h"
 #include "shaders/htm_depth_frag.h"

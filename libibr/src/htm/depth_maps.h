@@ -2,7 +2,7 @@
 // The mesh's depth as each camera of a harmonised model sees it, for who sees what.
 #pragma once
 
-#include "gpu/handle.h"
+#include "gpu/device/handle.h"
 #include "ibr/htm.h"
 
 namespace ibr {

@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "gpu/gpu_image.h"
-#include "gpu/handle.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/device/handle.h"
 #include "htm/frame_set.h"
 
 namespace ibr {

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "base/check.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/upload.h"
 #include "htm/projection.h"
 #include "image/mips.h"
 

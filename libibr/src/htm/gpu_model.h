@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "gpu/buffer.h"
-#include "gpu/gpu_image.h"
-#include "gpu/handle.h"
+#include "gpu/transfer/buffer.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/device/handle.h"
 #include "htm/depth_maps.h"
 #include "ibr/htm.h"
 

@@ -12,7 +12,7 @@
 #include "base/check.h"
 #include "htm/weights.h"
 #include "ibr/htm.h"
-#include "scene/faults.h"
+#include "scene/scene_faults.h"
 
 namespace ibr {
 namespace {

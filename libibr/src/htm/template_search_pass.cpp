@@ -8,11 +8,11 @@
 #include <limits>
 
 #include "base/check.h"
-#include "gpu/barrier.h"
-#include "gpu/buffer.h"
-#include "gpu/descriptors.h"
-#include "gpu/pipeline.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/buffer.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/transfer/upload.h"
 #include "image/template_tasks.h"
 #include "shaders/template_search_comp.h"
 #include "shared/template_search.h"

@@ -52,13 +52,13 @@ class Directory {
   }
 
   // Where what whole() reads stands, and in how many bytes.
-  struct Place {
+  struct ValueLocation {
     std::size_t at, bytes;
   };
-  std::optional<Place> placeOfWhole(std::uint32_t tag) const {
+  std::optional<ValueLocation> placeOfWhole(std::uint32_t tag) const {
     if (!whole(tag)) return std::nullopt;
     const std::size_t entry = *find(tag);
-    return Place{entry + 8, fields_.read(entry + 2, 2) == kShort ? std::size_t(2) : std::size_t(4)};
+    return ValueLocation{entry + 8, fields_.read(entry + 2, 2) == kShort ? std::size_t(2) : std::size_t(4)};
   }
 
   std::string text(std::uint32_t tag) const {

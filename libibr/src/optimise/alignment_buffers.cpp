@@ -4,10 +4,10 @@
 #include <array>
 
 #include "base/check.h"
-#include "gpu/barrier.h"
-#include "gpu/descriptors.h"
-#include "gpu/pipeline.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/transfer/upload.h"
 
 namespace ibr {
 namespace {

@@ -2,7 +2,7 @@
 // Method `compute`: a picture's classes in one submission, or a class each where a guard must be asked in between.
 #include <vector>
 
-#include "gpu/submit.h"
+#include "gpu/transfer/submit.h"
 #include "optimise/alignment_pass.h"
 #include "optimise/mover.h"
 

@@ -61,7 +61,7 @@ class GradientMover final : public Mover {
 
  private:
   // A point in one picture, and what it may do there.
-  struct Place {
+  struct MovingPoint {
     std::uint32_t point;
     std::size_t member;
     const Positions& at;
@@ -71,7 +71,7 @@ class GradientMover final : public Mover {
 
   ScoredPick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
     ScoredPick pick;
-    const Place place{point, member, at, reachOf(input_.mesh, at, point, member, request.radius),
+    const MovingPoint place{point, member, at, reachOf(input_.mesh, at, point, member, request.radius),
                       priorOf(point, member)};
     if (place.reach == 0) return pick;
     pick.score = scoreAt(place, pick.offset, pick);
@@ -85,7 +85,7 @@ class GradientMover final : public Mover {
   }
 
   // The candidate becomes the pick if it is better: a higher ECC, what its way costs taken off.
-  bool take(const Place& place, glm::ivec2 offset, ScoredPick& pick) const {
+  bool take(const MovingPoint& place, glm::ivec2 offset, ScoredPick& pick) const {
     if (offset == pick.offset || !fits(input_.mesh, place.at, place.point, place.member, offset)) return false;
     const shader::EccScore score = scoreAt(place, offset, pick);
     if (!shader::eccWins(score, pick.score)) return false;
@@ -95,7 +95,7 @@ class GradientMover final : public Mover {
   }
 
   // 1/128 px, no longer than the way from `offset` to the end of the reach; along the chord where the point slides.
-  glm::dvec2 stepFrom(const Place& place, glm::ivec2 offset) const {
+  glm::dvec2 stepFrom(const MovingPoint& place, glm::ivec2 offset) const {
     std::optional<glm::dvec2> chord;
     if (input_.mesh.border[place.point] == Border::slides) {
       const glm::uvec2 ends = input_.mesh.chord[place.point];
@@ -114,7 +114,7 @@ class GradientMover final : public Mover {
 
   RowChoice rows() const { return {1 << level_, 0}; }
 
-  shader::EccScore scoreAt(const Place& place, glm::ivec2 offset, ScoredPick& pick) const {
+  shader::EccScore scoreAt(const MovingPoint& place, glm::ivec2 offset, ScoredPick& pick) const {
     const Judgement judgement =
         judge(judgeInputs_[std::size_t(level_)], place.at, place.point, place.member, offset, rows());
     ++pick.mutations;
@@ -123,14 +123,14 @@ class GradientMover final : public Mover {
                            std::max(costAt(place, offset) - costAt(place, glm::ivec2(0)), std::int64_t(0)));
   }
 
-  glm::dvec2 movedBy(const Place& place, glm::ivec2 offset) const {
+  glm::dvec2 movedBy(const MovingPoint& place, glm::ivec2 offset) const {
     const std::vector<glm::ivec2>& start = input_.alignment.position[place.member];
     return glm::dvec2(place.at[place.member][place.point] + offset - start[place.point]) /
            double(kAlignmentUnitsPerPixel);
   }
 
   // What priorOf says, in whole numbers.
-  std::int64_t costAt(const Place& place, glm::ivec2 offset) const {
+  std::int64_t costAt(const MovingPoint& place, glm::ivec2 offset) const {
     const glm::ivec2 way =
         place.at[place.member][place.point] + offset - input_.alignment.position[place.member][place.point];
     const std::int64_t cost = shader::eccCost(way, scoreUnits(input_.options.rigidity));

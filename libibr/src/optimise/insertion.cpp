@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "optimise/agreement.h"
+#include "optimise/triangle_agreement.h"
 #include "optimise/mesh_edges.h"
 #include "optimise/mover.h"
 #include "optimise/workers.h"
@@ -96,7 +96,7 @@ class Insertions {
  private:
   // Triangles that agree badly though they could be judged, the worst first.
   std::vector<std::size_t> candidates() const {
-    std::vector<std::optional<Agreement>> agreed(alignment_.triangles.size());
+    std::vector<std::optional<TriangleAgreement>> agreed(alignment_.triangles.size());
     forEachInParallel(agreed.size(), options_.threads, [&](std::size_t t) {
       agreed[t] = agreement({&alignment_.triangles[t], 1});
     });
@@ -109,7 +109,7 @@ class Insertions {
     return worst;
   }
 
-  std::optional<Agreement> agreement(std::span<const glm::uvec3> triangles) const {
+  std::optional<TriangleAgreement> agreement(std::span<const glm::uvec3> triangles) const {
     return agreementOf(pictures_, alignment_.position, triangles, options_.varianceFloor);
   }
 

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "base/check.h"
-#include "gpu/barrier.h"
-#include "gpu/descriptors.h"
-#include "gpu/gpu_image.h"
-#include "gpu/pipeline.h"
-#include "gpu/submit.h"
-#include "gpu/upload.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/transfer/submit.h"
+#include "gpu/transfer/upload.h"
 #include "optimise/alignment_buffers.h"
 #include "optimise/processor.h"
 #include "shaders/ecc_pick_comp.h"

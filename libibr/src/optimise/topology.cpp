@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "optimise/agreement.h"
+#include "optimise/triangle_agreement.h"
 #include "optimise/mesh_edges.h"
 #include "optimise/workers.h"
 

@@ -12,7 +12,7 @@
 namespace ibr {
 
 struct FlipOptions {
-  /// What the ECC of the two triangles must rise by; more where they have few samples (agreement.h).
+  /// What the ECC of the two triangles must rise by; more where they have few samples (triangle_agreement.h).
   double gain = 0.005;
   double varianceFloor = 25;  // grey²
   int mostPasses = 8;         // of which none flips beside an edge that it has flipped

@@ -18,7 +18,7 @@
 #include "image/blue_noise.h"
 #include "reference/morph.h"
 #include "reference/texture_sampling.h"
-#include "render/steps.h"
+#include "render/passes/steps.h"
 #include "shared/cell.h"
 #include "shared/overlay.h"
 #include "shared/panorama.h"

@@ -3,8 +3,8 @@
 
 #include "base/check.h"
 #include "base/child_process.h"
-#include "gpu/shader_replacements.h"
-#include "gpu/spirv_interface.h"
+#include "gpu/device/shader_replacements.h"
+#include "gpu/draw/spirv_interface.h"
 #include "ibr/shader_reload.h"
 #include "reload/embedded_shaders.h"
 #include "reload/shader_watch.h"

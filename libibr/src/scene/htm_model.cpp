@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "scene/faults.h"
+#include "scene/scene_faults.h"
 
 namespace ibr {
 namespace {

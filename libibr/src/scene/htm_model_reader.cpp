@@ -13,9 +13,9 @@ namespace {
 
 using Accessor = GltfDocument::Accessor;
 
-class Reader {
+class HtmModelReader {
  public:
-  explicit Reader(const fs::path& file) : gltf_(file) {}
+  explicit HtmModelReader(const fs::path& file) : gltf_(file) {}
 
   JsonValue extension() const { return extensionOf(gltf_, kHtmModelExtension, kHtmModelVersion); }
   const fs::path& folder() const { return gltf_.folder(); }
@@ -102,7 +102,7 @@ class Reader {
 
 // Everything that can be read; surfaces are left out where cameras are at fault, since they refer to them.
 HtmModel readAll(const fs::path& file, FaultSink& sink) {
-  Reader reader(file);
+  HtmModelReader reader(file);
   HtmModel model;
   model.folder = reader.folder();
   const bool whole = sink.run([&] {

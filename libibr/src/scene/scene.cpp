@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/check.h"
-#include "scene/faults.h"
+#include "scene/scene_faults.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
 

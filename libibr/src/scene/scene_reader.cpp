@@ -22,9 +22,9 @@ namespace {
 
 using Accessor = GltfDocument::Accessor;
 
-class Reader {
+class SceneReader {
  public:
-  explicit Reader(const fs::path& file) : gltf_(file) {}
+  explicit SceneReader(const fs::path& file) : gltf_(file) {}
 
   JsonValue extension() const { return extensionOf(gltf_, kSceneExtension, kSceneVersion); }
 
@@ -201,7 +201,7 @@ class Reader {
 
 // Everything that can be read; cells are left out where nodes are at fault, since they refer to them.
 Scene readAll(const fs::path& file, FaultSink& sink) {
-  Reader reader(file);
+  SceneReader reader(file);
   Scene scene;
   sink.run([&] { reader.facts(scene); });
   bool whole = sink.run([&] {

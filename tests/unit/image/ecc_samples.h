@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "image/ecc.h"
+#include "image/ecc_sums.h"
 
 namespace ibr::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the ECC means (NUMERICS N2); how exact it is stands in ecc_sums_test.cpp.
-#include "image/ecc.h"
+#include "image/ecc_sums.h"
 
 #include <array>
 #include <catch2/catch.hpp>

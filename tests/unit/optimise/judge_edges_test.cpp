@@ -7,27 +7,27 @@
 #include <cmath>
 #include <tuple>
 
-#include "reference/alignment_reference.h"
+#include "reference/alignment/alignment_reference.h"
 #include "support/planted.h"
 
 using namespace ibr;
 
 namespace {
 
-struct Agreement {
+struct JudgeDifference {
   int stars = 0, notWhole = 0, wrongCounts = 0;
   double ofChannels = 0, ofConcatenated = 0;  // largest difference of the ECC
 };
 
 // Offsets are multiples of `grid`.
-Agreement compared(const Alignment& alignment, int grid, int radius, double varianceFloor, int rounds) {
+JudgeDifference compared(const Alignment& alignment, int grid, int radius, double varianceFloor, int rounds) {
   const StarMesh mesh = starMeshOf(alignment);
   std::vector<Texels> texels;
   for (const Image8* picture : alignment.pictures) texels.push_back(texelsOf(*picture));
   const JudgeInput input{mesh, texels};
   const reference::AlignedPictures twinMesh{alignment.pictures, alignment.position, alignment.triangles};
   std::mt19937 random(4);
-  Agreement agreement;
+  JudgeDifference agreement;
   for (int round = 0; round < rounds; ++round)
     for (std::uint32_t point = 0; point < mesh.pointCount(); ++point) {
       const std::size_t member = random() % mesh.memberCount();
@@ -62,7 +62,7 @@ TEST_CASE("stars whose edges run through centres of pixels cover the twin's, and
   auto planted = test::planted(members, 112, cells, 16.0 / cells, 100 + std::uint32_t(cells));
   for (auto& positions : planted.alignment.position)
     for (glm::ivec2& p : positions) p = p / grid * grid;
-  const Agreement agreement = compared(planted.alignment, grid, 400 / cells, floor, 80 / cells);
+  const JudgeDifference agreement = compared(planted.alignment, grid, 400 / cells, floor, 80 / cells);
   CAPTURE(members, cells, floor, grid, agreement.stars, agreement.notWhole, agreement.ofChannels,
           agreement.ofConcatenated);
   CHECK(agreement.stars > 200);

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "reference/alignment_reference.h"
+#include "reference/alignment/alignment_reference.h"
 #include "support/planted.h"
 
 using namespace ibr;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scores in 64 bits, shared with shaders, against tuples in 128 bits and more (image/ecc.h).
+// Scores in 64 bits, shared with shaders, against tuples in 128 bits and more (image/ecc_sums.h).
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
-#include "image/ecc.h"
+#include "image/ecc_sums.h"
 #include "optimise/judge.h"
 
 using namespace ibr;

@@ -10,7 +10,7 @@
 
 #include "ibr/metrics.h"
 #include "ibr/scene.h"
-#include "scene/synthetic.h"
+#include "scene/synth/synthetic.h"
 #include "support/error_of.h"
 
 using namespace ibr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // N5: weights against exact rationals on the stored doubles.
-#include "render/barycentric.h"
+#include "render/plan/barycentric.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which slot a cell's table lives in, and how tables move: decided without a device (NUMERICS T18).
-#include "render/colour_plan.h"
+#include "render/plan/colour_plan.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // N9: properties of colour tables over random and extreme histograms, traps T14–T18.
-#include "render/colour_table.h"
+#include "render/plan/colour_table.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

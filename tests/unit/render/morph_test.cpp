@@ -9,8 +9,8 @@
 
 #include "ibr/renderer.h"
 #include "reference/morph.h"
-#include "render/barycentric.h"
-#include "render/vertex.h"
+#include "render/plan/barycentric.h"
+#include "render/plan/vertex.h"
 
 using namespace ibr;
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is called hidden is hidden: covers of outlines, and whole plans.
-#include "render/occlusion.h"
+#include "render/plan/occlusion.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "scene/bench_scene.h"
+#include "scene/synth/bench_scene.h"
 
 using namespace ibr;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/residency.h"
+#include "render/resident/residency.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

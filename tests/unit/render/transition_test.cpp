@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "render/transition.h"
+#include "render/plan/transition.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

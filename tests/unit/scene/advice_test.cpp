@@ -12,7 +12,7 @@
 #include "base/file.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
-#include "scene/synthetic.h"
+#include "scene/synth/synthetic.h"
 #include "support/error_of.h"
 #include "support/posed_rig.h"
 #include "support/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "scene/synthetic.h"
+#include "scene/synth/synthetic.h"
 
 using namespace ibr;
 

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <memory>
+
+#include "base/check.h"
+#include "batch/files/encoded_as.h"
+#include "batch/bench/bench_photographs.h"
+#include "gpu/draw/scope.h"
+#include "ibr/metrics.h"
+#include "ibr/offscreen.h"
+#include "shared/cli/progress.h"
+#include "shared/draw/scene_renderer.h"
+#include "shared/report/statistics.h"
+#include "shared/report/table.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Way {
+  TextureFormat format;
+  TextureFilter filter;
+  const char* filterName;
+};
+constexpr Way kWays[]{
+    {TextureFormat::rgba8, TextureFilter::trilinear, "trilinear"},
+    {TextureFormat::rgba8, TextureFilter::bilinear, "bilinear"},
+    {TextureFormat::bc7, TextureFilter::trilinear, "trilinear"},
+    {TextureFormat::bc7, TextureFilter::bilinear, "bilinear"},
+    {TextureFormat::bc1, TextureFilter::trilinear, "trilinear"},
+    {TextureFormat::bc1, TextureFilter::bilinear, "bilinear"},
+    {TextureFormat::rgba8, TextureFilter::bicubic, "bicubic"},
+};
+
+struct Measured {
+  std::unique_ptr<GpuScene> gpuScene;
+  std::unique_ptr<Renderer> renderer;
+  std::vector<double> milliseconds, ratios, psnrs;  // ratios and psnrs: to the first way
+};
+
+}  // namespace
+
+Json benchFormats(const PhotographBench& bench, const Context& context) {
+  Device device = Device::create({.device = context.options().device, .log = context.log()});
+  check(device.samplesBlocks(), ErrorCode::unsupported, "{}: cannot sample blocks", device.name());
+  const Intrinsics& size = bench.views[0].camera.intrinsics;
+  const VkExtent2D extent{std::uint32_t(size.width), std::uint32_t(size.height)};
+  const SceneBounds bounds = sceneBounds(bench.scene);
+  Offscreen offscreen(device, extent);
+  ScopeTimer timer(device, 1);
+  ProgressLine progress(context);
+  const std::size_t steps = std::size(kWays) + bench.views.size();
+  std::vector<Measured> ways;
+  for (const Way& way : kWays) {
+    check(progress.show({"encoding", ways.size(), steps}), ErrorCode::cancelled, "stopped");
+    GpuSceneOptions options = withLog(bench.gpuScene, context);
+    options.source = encodedAs(way.format);
+    options.blocks = BlockTextures::keep;
+    options.filter = way.filter;
+    Measured& measured = ways.emplace_back();
+    measured.gpuScene = std::make_unique<GpuScene>(device, bench.scene, options);
+    measured.renderer = std::make_unique<Renderer>(device, *measured.gpuScene, optionsFor(bench.settings, extent));
+  }
+  for (std::size_t v = 0; v < bench.views.size(); ++v) {
+    const FramePlan plan = planFrame(bench.scene, bounds, {{bench.views[v].camera}, bench.settings});
+    for (int repeat = -1; repeat < bench.repeat; ++repeat) {  // the first warms up and is not counted
+      check(progress.show({"measuring", std::size(kWays) + v, steps}), ErrorCode::cancelled, "stopped");
+      double first = 0;
+      Image8 expected;
+      for (Measured& way : ways) {
+        const Image8 picture = offscreen.render([&](VkCommandBuffer commands) {
+          timer.reset(commands);
+          const GpuScope scope(commands, &timer, "frame");
+          way.renderer->record(commands, plan, offscreen.target());
+        });
+        const std::vector<ScopeTime> times = timer.read();
+        check(!times.empty(), ErrorCode::unsupported, "{}: the queue has no timestamps", device.name());
+        if (&way == &ways[0]) {
+          first = times[0].milliseconds;
+          expected = picture;
+        }
+        if (repeat < 0) {
+          way.psnrs.push_back(psnr(picture, expected));
+        } else {
+          way.milliseconds.push_back(times[0].milliseconds);
+          way.ratios.push_back(times[0].milliseconds / first);
+        }
+      }
+    }
+  }
+  progress.show({"measuring", steps, steps});
+
+  Table table;
+  table.row({"textures", "filter", "memory", "median ms", "p95 ms", "ratio", "PSNR dB"});
+  Json list = Json::array();
+  for (std::size_t w = 0; w < ways.size(); ++w) {
+    const Measured& way = ways[w];
+    const std::uint64_t bytes = way.gpuScene->memory().textures;
+    const double quality = w == 0 ? NAN : mean(way.psnrs);
+    table.row({textureFormatName(kWays[w].format), kWays[w].filterName, bytesText(double(bytes)),
+               numberText(quantile(way.milliseconds, 0.5), 1), numberText(quantile(way.milliseconds, 0.95), 1),
+               numberText(quantile(way.ratios, 0.5), 3), numberText(quality, 1)});
+    list.push_back({{"texture", textureFormatName(kWays[w].format)},
+                    {"filter", kWays[w].filterName},
+                    {"textureBytes", bytes},
+                    {"medianMs", quantile(way.milliseconds, 0.5)},
+                    {"p95Ms", quantile(way.milliseconds, 0.95)},
+                    {"n", way.milliseconds.size()},
+                    {"ratio", quantile(way.ratios, 0.5)},
+                    {"psnr", w == 0 ? Json() : Json(quality)}});
+  }
+  context.print("{}", table.text());
+  return {{"device", device.name()}, {"formats", list}};
+}
+
+}  // namespace ibr::app

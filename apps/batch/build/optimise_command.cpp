@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "batch/build/cell_figures.h"
+#include "batch/command.h"
+#include "batch/build/optimise_options.h"
+#include "batch/build/optimise_pictures.h"
+#include "shared/cli/options.h"
+#include "shared/cli/progress.h"
+#include "shared/report/table.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  OptimiseSceneOptions scene;
+  std::string input, output, pictures;
+};
+
+// The columns of [T] table 4, with ECC both ways.
+void printTable(const OptimiseSceneReport& report, const Context& context) {
+  Table table;
+  table.row({"cell", "images", "resolution", "points", "initial ECC", "final ECC", "initial (paper)", "final (paper)",
+             "cycles", "s"});
+  const auto row = [&](const std::string& name, const std::string& resolution, const std::string& cycles,
+                       const auto& figure) {
+    table.row({name, numberText(figure(1), 0), resolution, numberText(figure(0), 0), numberText(figure(2), 4),
+               numberText(figure(3), 4), numberText(figure(4), 4), numberText(figure(5), 4), cycles,
+               numberText(figure(6), 1)});
+  };
+  for (const OptimisedCell& cell : report.cells)
+    row(fmt::format("{}", cell.cell), fmt::format("{}x{}", cell.width, cell.height),
+        cell.resumed ? "kept" : fmt::format("{}", cell.summary.cycles.size()),
+        [&](std::size_t f) { return kCellFigures[f].second(cell); });
+  if (report.cells.size() > 1)
+    row("mean", "", "", [&](std::size_t f) { return meanOf(report, kCellFigures[f].second); });
+  context.print("{}\n", table.text());
+}
+
+std::string reportJson(const OptimiseSceneReport& report, const Options& options) {
+  const AlignmentOptions& alignment = options.scene.cells.alignment;
+  Json json{{"cells", Json::array()}, {"mean", Json::object()}};
+  for (const OptimisedCell& cell : report.cells) {
+    Json line{{"cell", cell.cell}};
+    for (const auto& [name, value] : kCellFigures) line[name] = value(cell);
+    line["points"] = cell.points;
+    line["images"] = cell.members.size();
+    const AlignmentCycle all = sumOf(cell.summary.cycles);
+    line.update({{"members", cell.members},
+                 {"resolution", {cell.width, cell.height}},
+                 {"triangles", cell.judged},
+                 {"moved", cell.moved},
+                 {"flipped", cell.flipped},
+                 {"inserted", cell.inserted},
+                 {"fixed", cell.fixed},
+                 {"takenBack", cell.takenBack},
+                 {"cycles", cell.summary.cycles.size()},
+                 {"bestCycle", cell.summary.bestCycle},
+                 {"mutations", all.mutations},
+                 {"pixels", all.pixels},
+                 {"refused", all.refused},
+                 {"resumed", cell.resumed}});
+    json["cells"].push_back(line);
+  }
+  for (const auto& [name, value] : kCellFigures) json["mean"][name] = meanOf(report, value);
+  json.update({{"scene", options.input},
+               {"output", options.output},
+               {"method", wordOf(alignment.method)},
+               {"definition", wordOf(alignment.definition)},
+               {"instances", alignment.instances},
+               {"radius", alignment.radiusPx},
+               {"decay", alignment.decay},
+               {"threshold", alignment.threshold},
+               {"rigidity", alignment.rigidity},
+               {"epipolar", alignment.epipolarWeight},
+               {"levels", alignment.levels},
+               {"escape", alignment.escape},
+               {"flipEdges", alignment.flipEdges},
+               {"flipGain", alignment.flipGain},
+               {"insertPoints", alignment.insertPoints},
+               {"insertBelow", alignment.insertBelow},
+               {"insertGain", alignment.insertGain},
+               {"prune", alignment.prune},
+               {"seed", alignment.seed},
+               {"seconds", report.seconds}});
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+ExitCode optimise(Options options, const Context& context) {
+  OptimiseSceneOptions& scene = options.scene;
+  scene.scene = options.input;
+  scene.output = options.output;
+  scene.cells.threads = context.options().threads;
+  scene.cells.alignment.seed = context.options().seed;
+  const std::string fault = optionsFault(scene.cells.alignment);
+  check(fault.empty(), ErrorCode::invalidInput, "{}", fault);
+  const Aligner aligner = makeAligner(scene.cells.alignment.method, context);
+  OptimiseSceneReport report;
+  {
+    ProgressLine progress(context);
+    report = optimiseScene(scene, aligner, progress.callback(), context.log());
+    if (!options.pictures.empty()) {
+      const Scene before = loadScene(options.input), after = loadScene(options.output);
+      for (std::size_t k = 0; k < report.cells.size(); ++k) {
+        check(progress.show({"drawing pictures", k, report.cells.size()}), ErrorCode::cancelled, "stopped");
+        writeOptimisePictures(before, after, report.cells[k], options.pictures);
+      }
+    }
+  }
+  printTable(report, context);
+  context.print("{}: {} cells optimised in {:.1f} s\n", options.output, report.cells.size(), report.seconds);
+  context.report(reportJson(report, options));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kOptimiseCommand{
+    .name = "optimise",
+    .summary = "Moves the points of a scene's meshes until its photographs agree best between them",
+    .examples =
+        "ibr optimise scene -o sharper\n"
+        "ibr optimise scene -o sharper --pictures compared --json report.json\n"
+        "ibr optimise scene -o sharper --cells-only 0 3 --radius 8 --threshold 0\n"
+        "ibr build photographs -o scene --optimise",
+    .details =
+        "Each point moves in each photograph to a place around it where the triangles around it correlate better "
+        "half-way between the photographs. No triangle folds over; a move after which the photographs' rays part "
+        "is "
+        "refused. The table has the mean correlation (ECC) of all points before and after, with a mean for each "
+        "channel and, in the columns of the paper, with one for all. Photographs and textures are linked, not copied. "
+        "--pictures draws, for each cell, the picture half-way between its photographs under a map of the correlation "
+        "(hot: bad), "
+        "before and after side by side, and the places that changed most.",
+    .afterInterrupt = "Cells that were finished are kept: run the same command again to go on.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->input, "Scene folder")->required();
+      app.add_option("-o,--output", options->output, "Folder of the optimised scene; made where it is missing")
+          ->required()
+          ->type_name("SCENE2");
+      declareAlignment(app, options->scene.cells.alignment);
+      declareCellsOnly(app, options->scene.cells.cells,
+                       "Optimise these cells, by number, and leave the others as they are");
+      app.add_option("--pictures", options->pictures, "Folder for pictures of each cell before and after")
+          ->type_name("DIR");
+      return [options](const Context& context) { return optimise(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/build/pose_errors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include "author/geometry/similarity.h"
+
+namespace ibr::app {
+
+PoseErrors poseErrors(const PosedModel& model, const PosedModel& truth) {
+  std::vector<Pose> are, should;
+  std::vector<double> focals;
+  PoseErrors errors;
+  for (const PosedImage& image : model.images) {
+    const auto exact = std::ranges::find(truth.images, image.name, &PosedImage::name);
+    if (exact == truth.images.end() || image.camera.intrinsics.model != CameraModel::pinhole) continue;
+    are.push_back(image.camera.pose);
+    should.push_back(exact->camera.pose);
+    focals.push_back(exact->camera.intrinsics.fx);
+    const double widths = double(exact->camera.intrinsics.width) / image.camera.intrinsics.width;
+    errors.focalFactor += image.camera.intrinsics.fx * widths / focals.back() - 1;
+  }
+  errors.photographs = are.size();
+  if (are.empty()) return errors;
+  const Similarity onto = aligned(are, should);
+  const double n = double(are.size());
+  for (std::size_t i = 0; i < are.size(); ++i) {
+    const Pose pose = onto(are[i]);
+    const double turnPx = angleBetween(pose.rotation, should[i].rotation) * focals[i];
+    const double shift = glm::distance(pose.position, should[i].position);
+    errors.turnPx += turnPx * turnPx / n;
+    errors.shift += shift * shift / n;
+    errors.mostTurnPx = std::max(errors.mostTurnPx, turnPx);
+    errors.mostShift = std::max(errors.mostShift, shift);
+  }
+  errors.turnPx = std::sqrt(errors.turnPx);
+  errors.shift = std::sqrt(errors.shift);
+  errors.focalFactor = 1 + (errors.focalFactor - 1) / n;
+  return errors;
+}
+
+nlohmann::ordered_json json(const PoseErrors& errors) {
+  return {{"photographs", errors.photographs}, {"turnPx", errors.turnPx},
+          {"mostTurnPx", errors.mostTurnPx},   {"shift", errors.shift},
+          {"mostShift", errors.mostShift},     {"focalFactor", errors.focalFactor}};
+}
+
+std::string text(const PoseErrors& errors) {
+  return fmt::format("turned by {:.3f} px (at most {:.3f}), shifted by {:.6f} (at most {:.6f}), focal lengths × {:.5f}",
+                     errors.turnPx, errors.mostTurnPx, errors.shift, errors.mostShift, errors.focalFactor);
+}
+
+}  // namespace ibr::app

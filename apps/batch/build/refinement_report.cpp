@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/build/refinement_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double medianOf(const std::vector<PoseRefinement::Moved>& moved, double PoseRefinement::Moved::*value) {
+  std::vector<double> values;
+  for (const auto& photograph : moved) values.push_back(photograph.*value);
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Json errorsJson(const PoseRefinement::Errors& errors) {
+  return {{"medianPx", errors.medianPx}, {"p90Px", errors.p90Px}};
+}
+
+}  // namespace
+
+std::string text(const PoseRefinement& r) {
+  if (r.steps.empty()) return "poses stay: they are exact, or no photographs share a point\n";
+  std::string said;
+  for (const auto& step : r.steps)
+    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", step.by, step.taken ? "taken" : "left");
+  if (r.moved.empty())
+    return fmt::format(
+        "poses are kept: refined by half of the points they suit the other half no better ({} points of cells, {} of "
+        "the model; reprojection, median and 9 of 10: {:.3f} and {:.3f} px)\n",
+        r.tracksOfCells, r.tracksOfModel, r.before.medianPx, r.before.p90Px);
+  const auto furthest = std::ranges::max_element(r.moved, {}, &PoseRefinement::Moved::turnPx);
+  return fmt::format(
+      "poses of {} photographs are refined by {} points of cells and {} of the model ({}):\n"
+      "  reprojection, median and 9 of 10: {:.3f} and {:.3f} px before, {:.3f} and {:.3f} px after\n"
+      "  turned by {:.2f} px (median; {} most, by {:.2f}), shifted by {:.4g} (median); focal lengths × {:.5f}\n",
+      r.moved.size(), r.tracksOfCells, r.tracksOfModel, said, r.before.medianPx, r.before.p90Px, r.after.medianPx,
+      r.after.p90Px, medianOf(r.moved, &PoseRefinement::Moved::turnPx), furthest->photograph, furthest->turnPx,
+      medianOf(r.moved, &PoseRefinement::Moved::shift), medianOf(r.moved, &PoseRefinement::Moved::focalFactor));
+}
+
+Json json(const PoseRefinement& r) {
+  Json report{{"tracksOfCells", r.tracksOfCells},
+              {"tracksOfModel", r.tracksOfModel},
+              {"kept", r.moved.empty()},
+              {"steps", Json::array()},
+              {"before", errorsJson(r.before)},
+              {"after", errorsJson(r.after)},
+              {"photographs", Json::array()}};
+  for (const auto& [by, cells, model, taken] : r.steps)
+    report["steps"].push_back({{"by", by}, {"cellsSurer", cells}, {"modelSurer", model}, {"taken", taken}});
+  for (const auto& [photograph, turnPx, shift, focalFactor] : r.moved)
+    report["photographs"].push_back(
+        {{"photograph", photograph}, {"turnPx", turnPx}, {"shift", shift}, {"focalFactor", focalFactor}});
+  return report;
+}
+
+}  // namespace ibr::app

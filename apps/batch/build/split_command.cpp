@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "batch/command.h"
+#include "ibr/panorama.h"
+#include "shared/cli/options.h"
+#include "shared/cli/progress.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  SplitOptions split;
+  std::string input, model, panoramas, output;
+};
+
+ExitCode split(Options options, const Context& context) {
+  SplitOptions& split = options.split;
+  split.input = options.input;
+  split.model = options.model;
+  split.panoramas = options.panoramas;
+  split.output = options.output;
+  split.threads = context.options().threads;
+  SplitReport report;
+  {
+    ProgressLine progress(context);
+    report = splitPanoramas(split, progress.callback(), context.log());
+  }
+  for (const std::string& name : report.skipped) context.print("{}: is no panorama, left out\n", name);
+  context.print("{}: {} pictures of {}x{} px, {} degrees wide, of {} panoramas; {} observations of points\n",
+                options.output, report.pictures, report.size, report.size, split.fovDegrees, report.panoramas,
+                report.observations);
+  context.print("{:.2f} s in all; of the processor: reading {:.2f} s, sampling {:.2f} s, writing {:.2f} s\n",
+                report.seconds, report.readSeconds, report.sampleSeconds, report.writeSeconds);
+  context.report(Json{{"panoramas", report.panoramas},
+                      {"pictures", report.pictures},
+                      {"size", report.size},
+                      {"fovDegrees", split.fovDegrees},
+                      {"observations", report.observations},
+                      {"skipped", report.skipped},
+                      {"readSeconds", report.readSeconds},
+                      {"sampleSeconds", report.sampleSeconds},
+                      {"writeSeconds", report.writeSeconds},
+                      {"seconds", report.seconds},
+                      {"output", options.output}}
+                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kSplitCommand{
+    .name = "split",
+    .summary = "Splits panoramas into pinhole pictures, with their cameras as a COLMAP model",
+    .examples =
+        "ibr split panorama.jpg -o faces\n"
+        "ibr split panorama.jpg -o faces --views 8 --poles --fov 90 --size 1024\n"
+        "ibr split hall --panoramas hall/panoramas.json -o faces",
+    .details =
+        "PANORAMA is one equirectangular picture, whose camera is put at the origin; or, with --model or --panoramas, "
+        "the folder that the names of posed panoramas are relative to: all of them are split, and the points they share "
+        "go with them. The pictures are images/NAME_FACE below DIR, JPEG where the panorama is one; sparse/ holds the "
+        "model, so that `ibr build DIR/images` finds it. Above 90 degrees the faces of a cube overlap. Faces as sharp "
+        "as the panorama's horizon are the default; smaller ones are averaged, not skipped over.",
+    .afterInterrupt = "Pictures that are there are whole, the model is missing; run the same command again.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("PANORAMA", options->input, "A panorama, or a folder of posed ones")->required();
+      app.add_option("-o,--output", options->output, "Folder for images/ and sparse/; made where it is missing")
+          ->required()
+          ->type_name("DIR");
+      app.add_option_function<std::string>(
+             "--views",
+             [options](const std::string& text) {
+               options->split.views = text == "cube" ? 0 : int(parsedInt("--views", text, 1, 360));
+             },
+             "Faces of a cube, or so many views round the horizon [cube]")
+          ->type_name("cube|N");
+      app.add_flag("--poles", options->split.poles, "Up and down besides views round the horizon");
+      app.add_option_function<std::string>(
+             "--fov",
+             [options](const std::string& text) {
+               const double degrees = parsedDouble("--fov", text, 0, 180);
+               if (!(degrees > 0 && degrees < 180))
+                 throw CLI::ValidationError("--fov", "'" + text + "' is not between 0 and 180: no pinhole has it");
+               options->split.fovDegrees = degrees;
+             },
+             "Field of view of a picture in degrees, both ways [105]")
+          ->type_name("DEGREES");
+      addInt(app, "--size", options->split.size, 0, 16384,
+             "Width and height of a picture in px; 0 = as sharp in its middle as the panorama's horizon");
+      addChoice<PictureFormat>(
+          app, "--format", options->split.format,
+          {{"source", PictureFormat::asSource}, {"jpg", PictureFormat::jpeg}, {"png", PictureFormat::png}},
+          "Of the pictures; source: PNG where the panorama is no JPEG [source]");
+      app.add_option("--model", options->model, "COLMAP model with EQUIRECTANGULAR cameras")->type_name("DIR");
+      app.add_option("--panoramas", options->panoramas, "File with the poses of panoramas, instead of a model")
+          ->type_name("FILE")
+          ->excludes("--model");
+      return [options](const Context& context) { return split(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "batch/build/build_options.h"
+#include "batch/command.h"
+#include "batch/doctor/findings.h"
+#include "ibr/asset.h"
+#include "ibr/htm_sequence.h"
+#include "ibr/scene.h"
+#include "io/image_file.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr std::size_t kMostFaults = 100;
+
+void examineAsset(const std::string& path, AssetKind kind, Findings& findings) {
+  const auto faults = kind == AssetKind::htmModel      ? validateHtmModelFiles(path, kMostFaults)
+                      : kind == AssetKind::htmSequence ? validateHtmSequenceFiles(path, kMostFaults)
+                                                       : validateSceneFiles(path, kMostFaults);
+  for (const Fault& fault : faults)
+    findings.add({"fault", Severity::serious, fmt::format("{}: {}.", fault.field, fault.message),
+                  "Build it again, or bring back the files that were changed.", kExitInvalidInput});
+  if (!faults.empty()) return;
+  if (kind != AssetKind::scene) {
+    findings.fact("its files are whole");
+    return;
+  }
+  const Scene scene = loadScene(path);
+  const CaptureAdvice advice = adviseCapture(scene);
+  findings.fact(fmt::format("{} photographs, {} cells; its files are whole", scene.nodes.size(), scene.cells.size()));
+  if (!advice.views.empty())
+    findings.fact(
+        fmt::format("a walk between the photographs shows about {:.0f} % of what they see well; ibr info {} --advice "
+                    "says where more would help",
+                    100 * advice.shown, path));
+  for (const Advice& one : advice.advice)
+    findings.add({adviceKindName(one.kind), one.severity, one.sentence, one.remedy, kExitInvalidInput});
+}
+
+ExitCode examine(const std::string& path, const BuildChoices& choices, const Context& context) {
+  const bool beside = !choices.model.empty() || !choices.transforms.empty() || !choices.panoramas.empty() ||
+                      !choices.build.masks.empty();
+  check(!beside || (!path.empty() && !assetKind(path)), ErrorCode::invalidInput,
+        "--model, --transforms, --panoramas and --masks go with a folder of photographs");
+  Findings findings;
+  std::error_code ignored;
+  if (path.empty()) {
+    examineMachine(findings, context);
+  } else if (const auto kind = assetKind(path)) {
+    examineAsset(path, *kind, findings);
+  } else {
+    check(fs::exists(path, ignored), ErrorCode::io, "{}: there is no such folder or file", path);
+    check(fs::is_directory(path, ignored), ErrorCode::unsupported,
+          "{}: is neither a folder of photographs nor a scene; ibr info tells of a picture", path);
+    examinePhotographs(path, choices, findings, context);
+  }
+  findings.print(context);
+  nlohmann::ordered_json json = findings.json();
+  json["of"] = path.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(path);
+  context.report(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  return findings.code();
+}
+
+}  // namespace
+
+const Command kDoctorCommand{
+    .name = "doctor",
+    .summary = "Says what is wrong with this machine, a folder of photographs or a scene, and what to do about it",
+    .examples = "ibr doctor\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 --masks masks\n"
+        "ibr doctor scene\nibr doctor photographs --json findings.json",
+    .details =
+        "Sentences with a remedy each, the gravest first: !! is serious, ! makes pictures worse, - is a hint. Exit "
+        "code 0 "
+        "where nothing is serious; else 3 for photographs and scenes, 5 where no Vulkan device can be used, 2 where a "
+        "disk is full or there is no such folder.",
+    .afterInterrupt = "",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto path = std::make_shared<std::string>();
+      app.add_option("FOLDER_OR_SCENE", *path, "Folder of photographs, or a scene; without one, the machine");
+      const auto choices = std::make_shared<BuildChoices>();
+      declareInputOptions(app, *choices);
+      return [path, choices](const Context& context) { return examine(*path, *choices, context); };
+    }};
+
+}  // namespace ibr::app

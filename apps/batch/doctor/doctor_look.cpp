@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/doctor/doctor_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "author/pixels/resize.h"
+#include "base/parallel.h"
+#include "base/check.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/usage.h"
+#include "image/sharpness.h"
+#include "shared/cli/progress.h"
+#include "shared/report/table.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr int kSharpnessSide = 1600;  // px
+constexpr int kSignatureSide = 16;    // px
+constexpr double kBytesPerPixel = 8;  // while a picture is read
+constexpr double kSmall = 1e6;        // bytes, of memory beside that
+
+double sharpnessOf(const Image8& picture) {
+  const double scale = std::min(1.0, double(kSharpnessSide) / std::max(picture.width, picture.height));
+  const int width = int(picture.width * scale), height = int(picture.height * scale);
+  if (std::min(width, height) < 8) return std::numeric_limits<double>::quiet_NaN();
+  return sharpness(greyOf(scale < 1 ? shrunk(picture, width, height) : picture),
+                   greyOf(shrunk(picture, width / 8, height / 8)));
+}
+
+std::vector<float> signatureOf(const Image8& picture) {
+  const Image8 small = greyOf(shrunk(picture, kSignatureSide, kSignatureSide));
+  std::vector<float> values(small.values.begin(), small.values.end());
+  const float mean = std::accumulate(values.begin(), values.end(), 0.0f) / float(values.size());
+  float length = 0;
+  for (float& v : values) v -= mean, length += v * v;
+  if (!(length > float(values.size()))) return {};
+  for (float& v : values) v /= std::sqrt(length);
+  return values;
+}
+
+double bytesToRead(const ImageFileInfo& info) {
+  return kSmall + kBytesPerPixel * info.width * info.height;
+}
+
+template <class Work>
+void attempt(const fs::path& folder, ExaminedPhotograph& looked, const Work& work) {
+  const fs::path file = folder / looked.name;
+  try {
+    work(file);
+  } catch (const Error& e) {
+    looked.trouble = e.what();
+    looked.code = e.code();
+    if (const std::string prefix = file.string() + ": "; looked.trouble.starts_with(prefix))
+      looked.trouble.erase(0, prefix.size());
+  } catch (const std::exception& e) {
+    looked.trouble = e.what();
+  }
+}
+
+void probe(const fs::path& folder, ExaminedPhotograph& looked) {
+  attempt(folder, looked, [&](const fs::path& file) {
+    looked.info = probeImage(file);
+    check(bytesToRead(looked.info) < memoryLimit(), ErrorCode::unsupported,
+          "{}×{} px take {} of memory, and there are {} at most", looked.info.width, looked.info.height,
+          bytesText(bytesToRead(looked.info)), bytesText(memoryLimit()));
+  });
+}
+
+void look(const fs::path& folder, ExaminedPhotograph& looked) {
+  if (!looked.trouble.empty()) return;
+  attempt(folder, looked, [&](const fs::path& file) {
+    const Image8 picture = readImage(file);
+    looked.sharpness = sharpnessOf(picture);
+    looked.signature = signatureOf(picture);
+  });
+  if (!looked.trouble.empty()) return;
+  attempt(folder, looked, [&](const fs::path& file) {
+    Hash hash;
+    hash.add(readFile(file));
+    looked.hash = hash.value();
+  });
+}
+
+}  // namespace
+
+double alikeness(const ExaminedPhotograph& a, const ExaminedPhotograph& b) {
+  if (a.signature.empty() || b.signature.empty()) return 0;
+  return std::inner_product(a.signature.begin(), a.signature.end(), b.signature.begin(), 0.0);
+}
+
+std::vector<ExaminedPhotograph> lookAtAll(const fs::path& folder, const std::vector<std::string>& names, const Context& context) {
+  std::vector<ExaminedPhotograph> all(names.size());
+  double largest = kSmall;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    all[i].name = names[i];
+    probe(folder, all[i]);
+    if (all[i].trouble.empty()) largest = std::max(largest, bytesToRead(all[i].info));
+  }
+  ProgressLine progress(context);
+  const bool whole = runJobs(
+      all.size(), threadsFor(context.options().threads, largest), [&](std::size_t i) { look(folder, all[i]); },
+      [&](std::size_t done) {
+        return progress.show({"looking at photographs", done, all.size()});
+      });
+  check(whole, ErrorCode::cancelled, "stopped");
+  return all;
+}
+
+}  // namespace ibr::app

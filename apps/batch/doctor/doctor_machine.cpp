@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "base/child_process.h"
+#include "base/file.h"
+#include "base/usage.h"
+#include "batch/doctor/findings.h"
+#include "ibr/device.h"
+#include "shared/report/table.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr double kGiB = 1024.0 * 1024 * 1024;
+constexpr double kLeastMemory = 2 * kGiB;  // free, for photographs of 24 megapixels
+constexpr double kLittleDisk = 5 * kGiB, kNoDisk = 0.2 * kGiB;
+constexpr auto kPatience = std::chrono::seconds(5);  // for a program to tell its version
+constexpr std::size_t kMostOfALine = 200;            // that it prints, bytes
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+void examineDevices(Findings& findings) {
+  constexpr const char* kRemedy =
+      "Install the driver of the graphics card; on Debian, the package mesa-vulkan-drivers has them for AMD and Intel, "
+      "and one that needs no graphics card.";
+  std::vector<DeviceDescription> devices;
+  try {
+    devices = Device::list();
+  } catch (const Error& e) {
+    findings.add(
+        {"device", Severity::serious, fmt::format("Vulkan does not start: {}.", e.what()), kRemedy, kExitUnsupported});
+    return;
+  }
+  bool usable = false, graphicsCard = false;
+  for (const DeviceDescription& device : devices) {
+    std::string why;
+    for (const std::string& reason : device.lacking) why += (why.empty() ? "" : ", ") + reason;
+    if (!why.empty()) {
+      findings.add({"device", Severity::hint, fmt::format("{} cannot be used: {}.", device.name, why),
+                    "A newer driver may help.", kExitUnsupported});
+      continue;
+    }
+    usable = true;
+    graphicsCard |= device.type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+    findings.fact(fmt::format("Vulkan device: {}, driver {}", device.name, device.driver));
+  }
+  if (const auto disabled = Device::disabledFeatures(); !disabled.empty())
+    findings.add({"device", Severity::hint,
+                  fmt::format("Of the Vulkan device is not used: {}.", fmt::join(disabled, ", ")),
+                  "Unset IBR_DISABLE_FEATURES, leave out --disable-feature."});
+  if (!usable)
+    findings.add({"device", Severity::serious,
+                  devices.empty() ? "There is no Vulkan device." : "No Vulkan device can be used.", kRemedy,
+                  kExitUnsupported});
+  else if (!graphicsCard)
+    findings.add({"device", Severity::warning,
+                  "Pictures are drawn by the processor: they are right, but a picture of a megapixel takes tenths of a "
+                  "second, and a headset cannot be served.",
+                  "With a graphics card in this machine, install its driver."});
+}
+
+struct Program {
+  bool there = false;
+  std::string version;  // the first line that begins as its version does; empty where `trouble` says why there is none
+  std::string trouble;
+};
+
+Program look(const std::vector<std::string>& command, std::string_view begins) {
+  Program program;
+  std::string first;
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  try {
+    const ChildResult result = runChild(
+        command, {},
+        [&](std::string_view line) {
+          if (first.empty()) first = line.substr(0, kMostOfALine);
+          if (program.version.empty() && line.starts_with(begins)) program.version = line.substr(0, kMostOfALine);
+        },
+        [&] { return std::chrono::steady_clock::now() < end; });
+    program.there = true;
+    if (result.stopped)
+      program.trouble = fmt::format("it had not ended after {} seconds", kPatience.count());
+    else if (result.status != 0)
+      program.trouble = fmt::format("it ended with {}{}{}", result.status, first.empty() ? "" : ": ", first);
+    else if (program.version.empty())
+      program.trouble = first.empty() ? "it says nothing" : "it says: " + first;
+  } catch (const Error&) {  // it cannot be started
+  }
+  return program;
+}
+
+std::string brokenText(const char* name, const Program& program) {
+  return fmt::format("The program {} is there, but asked for its version, {}.", name, program.trouble);
+}
+
+void examineColmap(Findings& findings) {
+  const Program colmap = look({"colmap", "help"}, "COLMAP ");
+  if (!colmap.there)
+    findings.add({"colmap", Severity::warning,
+                  "The program COLMAP is not there: photographs cannot be built without their poses.",
+                  "Install it (Debian: apt-get install colmap), or give poses (--model, --transforms)."});
+  else if (!colmap.trouble.empty())
+    findings.add({"colmap", Severity::warning, brokenText("COLMAP", colmap),
+                  "Install it again, or give poses (--model, --transforms)."});
+  else
+    findings.fact(fmt::format("poses: {}", colmap.version));
+  int major = 0, minor = 0;
+  if (std::sscanf(colmap.version.c_str(), "COLMAP %d.%d", &major, &minor) == 2 &&
+      (major < 3 || (major == 3 && minor < 8)))
+    findings.add({"colmap", Severity::warning, fmt::format("COLMAP {}.{} is too old.", major, minor),
+                  "Poses are estimated by 3.8 or later."});
+}
+
+void examineFfmpeg(Findings& findings) {
+  const Program ffmpeg = look({"ffmpeg", "-version"}, "ffmpeg version ");
+  if (!ffmpeg.there)
+    findings.add({"ffmpeg", Severity::hint,
+                  "The program ffmpeg is not there: pictures of a walk do not become a video.",
+                  "Install it (Debian: apt-get install ffmpeg)."});
+  else if (!ffmpeg.trouble.empty())
+    findings.add({"ffmpeg", Severity::hint, brokenText("ffmpeg", ffmpeg),
+                  "Pictures of a walk do not become a video without it: install it again."});
+  else
+    findings.fact("videos: " + ffmpeg.version.substr(0, ffmpeg.version.find(" Copyright")));
+}
+
+void examineMemory(Findings& findings) {
+  std::ifstream file("/proc/meminfo");
+  double available = -1, total = -1;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string key;
+    double kibibytes = 0;
+    if (!(words >> key >> kibibytes)) continue;
+    if (key == "MemTotal:") total = 1024 * kibibytes;
+    if (key == "MemAvailable:") available = 1024 * kibibytes;
+  }
+  if (total < 0 || available < 0) return;
+  const double limit = memoryLimit();
+  const bool limited = limit < available;  // by a container or ulimit, not by what other programs have
+  available = std::min(available, limit);
+  findings.fact(fmt::format("{} processor cores, {} of {} of memory free", std::thread::hardware_concurrency(),
+                            bytesText(available), bytesText(std::min(total, limit))));
+  if (available < kLeastMemory)
+    findings.add({"memory", Severity::warning,
+                  limited ? fmt::format("Programs may have only {} of memory here.", bytesText(available))
+                          : fmt::format("Only {} of memory is free.", bytesText(available)),
+                  limited
+                      ? "Raise the limit of the container or of the shell (ulimit -v), or build smaller photographs "
+                        "(--max-size 1600)."
+                      : "Close other programs, or build smaller photographs (--max-size 1600)."});
+}
+
+void examineDisk(Findings& findings) {
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  const fs::space_info space = fs::space(here, error);
+  if (error) return;
+  const auto left = double(space.available);
+  if (left < kLittleDisk)
+    findings.add({"disk", left < kNoDisk ? Severity::serious : Severity::warning,
+                  fmt::format("Only {} of disk is left in {}.", bytesText(left), here.string()),
+                  "A scene takes up to six bytes for each pixel of its photographs: make room, or build with --texture "
+                  "bc7.",
+                  kExitIo});
+  else
+    findings.fact(fmt::format("{} of disk left in {}", bytesText(left), here.string()));
+}
+
+void examineDisplay(Findings& findings) {
+  if (!environment("DISPLAY").empty()) return;
+  const bool wayland = !environment("WAYLAND_DISPLAY").empty();
+  findings.add({"display", Severity::hint,
+                wayland ? "There is a Wayland display and no X11 display: ibr-viewer may not open its window."
+                        : "There is no display: ibr-viewer cannot open a window.",
+                wayland ? "Install Xwayland." : "ibr render and ibr eval need none."});
+}
+
+// Where the loader of OpenXR looks (OpenXR loader specification, "Runtime Enumeration").
+std::vector<fs::path> runtimeFiles() {
+  if (const std::string given = environment("XR_RUNTIME_JSON"); !given.empty()) return {given};
+  std::vector<fs::path> folders;
+  const std::string config = environment("XDG_CONFIG_HOME"), home = environment("HOME");
+  if (!config.empty() || !home.empty())
+    folders.push_back(config.empty() ? fs::path(home) / ".config" : fs::path(config));
+  std::string shared = environment("XDG_CONFIG_DIRS");
+  std::istringstream list(shared.empty() ? "/etc/xdg" : shared);
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (!folder.empty()) folders.emplace_back(folder);
+  folders.insert(folders.end(), {"/usr/local/etc", "/etc"});
+  std::vector<fs::path> files;
+  for (const fs::path& folder : folders)
+    for (const char* name : {"active_runtime.x86_64.json", "active_runtime.aarch64.json", "active_runtime.json"})
+      files.push_back(folder / "openxr/1" / name);
+  return files;
+}
+
+void examineHeadset(Findings& findings) {
+  std::error_code ignored;
+  for (const fs::path& file : runtimeFiles()) {
+    if (!fs::exists(file, ignored)) continue;
+    try {
+      const auto json = nlohmann::json::parse(readTextFile(file));
+      fs::path library = json.at("runtime").at("library_path").get<std::string>();
+      const bool pathGiven = library.has_parent_path();
+      if (pathGiven && library.is_relative()) library = fs::canonical(file).parent_path() / library;
+      if (pathGiven && !fs::exists(library, ignored))
+        findings.add(
+            {"headset", Severity::warning,
+             fmt::format("The OpenXR runtime that {} names is not there: {}.", file.string(), library.string()),
+             "Install it again, or make another one the active runtime."});
+      else
+        findings.fact(fmt::format("headsets: {}", json["runtime"].value("name", library.string())));
+    } catch (const std::exception&) {
+      findings.add({"headset", Severity::warning, fmt::format("{} does not name an OpenXR runtime.", file.string()),
+                    "Install the headset's runtime again."});
+    }
+    return;
+  }
+  findings.add({"headset", Severity::hint, "There is no OpenXR runtime: ibr-vr finds no headset.",
+                "Install Monado, SteamVR or WiVRn, and make it the active runtime."});
+}
+
+}  // namespace
+
+void examineMachine(Findings& findings, const Context&) {
+  examineDevices(findings);
+  examineMemory(findings);
+  examineDisk(findings);
+  examineColmap(findings);
+  examineFfmpeg(findings);
+  examineDisplay(findings);
+  examineHeadset(findings);
+}
+
+}  // namespace ibr::app

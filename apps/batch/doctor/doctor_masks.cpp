@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Masks beside their photographs, before anything is built of them.
+#include <algorithm>
+#include <set>
+
+#include "author/photographs/masks.h"
+#include "author/photographs/picture_folder.h"
+#include "base/check.h"
+#include "batch/doctor/doctor_look.h"
+#include "batch/doctor/findings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+// As the photograph lies in its file or, where EXIF turns it, upright.
+bool fits(const ImageFileInfo& mask, const ImageFileInfo& photo) {
+  return (mask.width == photo.width && mask.height == photo.height) ||
+         (photo.orientation >= 5 && mask.width == photo.height && mask.height == photo.width);
+}
+
+void examineMask(const fs::path& file, const ExaminedPhotograph& photo, Findings& findings) {
+  try {
+    const ImageFileInfo mask = probeImage(file);
+    if (!fits(mask, photo.info))
+      findings.add({"masks", Severity::serious,
+                    fmt::format("{} is {}×{} px, and {} is {}×{} px.", file.string(), mask.width, mask.height,
+                                photo.name, photo.info.width, photo.info.height),
+                    "Make it again, of the photograph's size, or take it away."});
+  } catch (const Error& e) {
+    findings.add({"masks", Severity::serious, fmt::format("A mask cannot be read: {}.", e.what()),
+                  "Make it again, or take it away."});
+  }
+}
+
+}  // namespace
+
+void examineMasks(const fs::path& folder, const std::vector<ExaminedPhotograph>& photographs, Findings& findings) {
+  check(fs::is_directory(folder), ErrorCode::io, "{}: is not a folder of masks", folder.string());
+  std::set<fs::path> used;
+  std::size_t masked = 0;
+  for (const ExaminedPhotograph& photo : photographs) {
+    const auto file = maskFileOf(folder, photo.name);
+    if (!file) continue;
+    used.insert(file->lexically_normal());
+    ++masked;
+    if (photo.trouble.empty()) examineMask(*file, photo, findings);
+  }
+  findings.fact(fmt::format("masks: {} of {} photographs have one", masked, photographs.size()));
+  std::vector<std::string> strange;
+  for (const std::string& name : lookInto(folder).pictures)
+    if (!used.contains((folder / name).lexically_normal())) strange.push_back(name);
+  if (!strange.empty())
+    findings.add({"masks", Severity::warning,
+                  fmt::format("{} of the masks are of no photograph here: {}.", strange.size(), someOf(strange)),
+                  "Name them as their photographs: a/b.jpg.png or a/b.png for a/b.jpg."});
+}
+
+}  // namespace ibr::app

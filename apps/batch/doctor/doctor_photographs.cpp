@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+// Photographs by themselves: files, sizes, what the camera wrote down, sharpness, repetitions.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include "author/photographs/picture_folder.h"
+#include "author/poses/read_poses.h"
+#include "base/check.h"
+#include "base/median.h"
+#include "batch/build/build_options.h"
+#include "batch/doctor/doctor_look.h"
+#include "batch/doctor/findings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+constexpr std::size_t kFew = 5;  // photographs
+constexpr double kStops = 1.0;   // of exposure, from the least to the most
+constexpr double kZoom = 1.03;   // ratio of focal lengths
+constexpr double kBlur = 0.35;   // of the sharpness of those that look alike, and of the median
+// Correlation of signatures from which two photographs look alike enough to compare their sharpness, of the four most
+// alike of one size. Of 252 photographs of eight sets, 144 of them drawn, how many are called blurred as they are (two
+// are soft to the eye), and with a Gaussian blur of 1 px, of 2 px, and a motion of 8 px:
+//   any            5   242   252   243
+//   0.1            4   239   249   240
+//   0.2            3   215   225   217
+//   0.3            2   202   208   203
+//   0.5            2   188   190   189
+//   four by name  14   242   251   243
+constexpr double kAlike = 0.3;
+constexpr std::size_t kMostAlike = 4, kLeastAlike = 2;
+constexpr double kSame = 0.9995;  // correlation of two signatures
+constexpr std::size_t kMostCompared = 3000;
+
+// In the folder, and where photographs lie: other folders below it hold what other programs keep.
+void videos(const fs::path& folder, const PictureFolder& found, Findings& findings) {
+  static const std::set<std::string> kVideo{".mp4", ".mov", ".avi", ".mkv", ".mts"};
+  std::set<fs::path> folders{""}, photographs;  // these without their extensions: a phone adds a film to each
+  const auto put = [&](const fs::path& name) {
+    folders.insert(name.parent_path());
+    photographs.insert(fs::path(name).replace_extension());
+  };
+  for (const std::string& name : found.pictures) put(name);
+  for (const PictureFolder::Unread& file : found.unread) put(file.name);
+  std::vector<std::string> names;
+  for (const fs::path& below : folders) {
+    std::error_code error, ignored;
+    for (fs::directory_iterator at(folder / below, error), end; !error && at != end; at.increment(error)) {
+      const fs::path name = below / at->path().filename();
+      std::string extension = name.extension().string();
+      std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+      if (kVideo.contains(extension) && at->is_regular_file(ignored) && !name.filename().string().starts_with('.') &&
+          !photographs.contains(fs::path(name).replace_extension()))
+        names.push_back(name.generic_string());
+    }
+  }
+  std::ranges::sort(names);
+  if (!names.empty())
+    findings.add({"format", Severity::warning,
+                  fmt::format("{}: {}.", someOf(names), names.size() == 1 ? "is a video" : "are videos"),
+                  "Save single pictures of it: ffmpeg -i VIDEO -vf fps=2 %04d.png."});
+}
+
+// What a build passes over, and says so. A reason is "what it is: what to do", or the first alone.
+void passedOver(const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
+  std::map<std::string, std::vector<PictureFolder::Unread>> byReason;
+  for (const PictureFolder::Unread& file : unread) byReason[file.reason].push_back(file);
+  for (auto& [reason, files] : byReason) {
+    const std::size_t colon = std::min(reason.find(": "), reason.size());
+    for (PictureFolder::Unread& file : files) file.reason.resize(colon);
+    std::string remedy = colon < reason.size() ? reason.substr(colon + 2) : "copy it again, or take it away";
+    remedy[0] = char(std::toupper(static_cast<unsigned char>(remedy[0])));
+    findings.add({"file", Severity::warning, unreadText(files) + ".", remedy + "."});
+  }
+}
+
+const char* remedyOf(ErrorCode code) {
+  if (code == ErrorCode::unsupported) return "Or take it away; to copy it again does not help.";
+  if (code == ErrorCode::io) return "See that it may be read.";
+  return "Copy it from the camera again, or take it away.";
+}
+
+void unreadable(const std::vector<ExaminedPhotograph>& all, Findings& findings) {
+  for (const ExaminedPhotograph& photo : all)
+    if (!photo.trouble.empty())
+      findings.add({"file", Severity::serious, fmt::format("{} cannot be read: {}.", photo.name, photo.trouble),
+                    remedyOf(photo.code)});
+}
+
+bool sameSize(const ExaminedPhotograph& a, const ExaminedPhotograph& b) {
+  return a.info.width == b.info.width && a.info.height == b.info.height;
+}
+
+void sizes(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
+  std::map<std::pair<int, int>, std::vector<std::string>> groups;  // by longer and shorter side
+  std::size_t upright = 0;
+  for (const ExaminedPhotograph& photo : good) {
+    const auto& [width, height] = std::pair(photo.info.width, photo.info.height);
+    groups[{std::max(width, height), std::min(width, height)}].push_back(photo.name);
+    upright += (height > width) != (photo.info.orientation >= 5);
+  }
+  const auto common = std::ranges::max_element(groups, {}, [](const auto& g) { return g.second.size(); });
+  findings.fact(fmt::format("{} photographs, most of {}×{} px; {} of them held upright", good.size(),
+                            common->first.first, common->first.second, upright));
+  for (const auto& [size, names] : groups) {
+    if (size == common->first) continue;
+    const double ratio = double(size.first) * size.second / (double(common->first.first) * common->first.second);
+    const bool small = ratio < 0.5;
+    findings.add({"size", small ? Severity::warning : Severity::hint,
+                  fmt::format("{}: {}×{} px, {} the others.", someOf(names), size.first, size.second,
+                              small ? "much less than" : "another size than"),
+                  small ? "Use the originals: pictures that messengers and web pages made small lose what they show."
+                        : "This is right where they come from another camera, and wrong where they were cut."});
+  }
+}
+
+void exposure(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
+  const ExaminedPhotograph *least = nullptr, *most = nullptr;
+  double low = 0, high = 0;
+  for (const ExaminedPhotograph& photo : good) {
+    const auto exposed = relativeExposure(photo.info.capture);
+    if (!exposed) continue;
+    if (!least || *exposed < low) least = &photo, low = *exposed;
+    if (!most || *exposed > high) most = &photo, high = *exposed;
+  }
+  if (!least || !(std::log2(high / low) > kStops)) return;
+  findings.add(
+      {"exposure", Severity::warning,
+       fmt::format("{} was exposed {:.1f} stops more than {}.", most->name, std::log2(high / low), least->name),
+       "Lock the exposure before the first photograph, or set it by hand: steps in brightness show."});
+}
+
+void lenses(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
+  std::map<std::tuple<std::string, std::string, std::string>, std::map<double, std::vector<std::string>>> cameras;
+  for (const ExaminedPhotograph& photo : good) {
+    const CaptureFacts& facts = photo.info.capture;
+    if (facts.focalLength > 0) cameras[{facts.maker, facts.model, facts.lens}][facts.focalLength].push_back(photo.name);
+  }
+  if (cameras.size() > 1)
+    findings.add({"camera", Severity::hint,
+                  fmt::format("The photographs come from {} cameras or lenses.", cameras.size()),
+                  "That works; poses are better with one."});
+  for (const auto& [camera, lengths] : cameras) {
+    const auto common = std::ranges::max_element(lengths, {}, [](const auto& l) { return l.second.size(); });
+    for (const auto& [length, names] : lengths)
+      if (std::max(length, common->first) / std::min(length, common->first) > kZoom)
+        findings.add(
+            {"zoom", Severity::warning,
+             fmt::format("{}: zoomed, at {:g} mm and not {:g} mm as the others.", someOf(names), length, common->first),
+             "Do not zoom between photographs; leave these out (--exclude), or take them again."});
+  }
+}
+
+// Sharpness of the photographs of its size that look most like it.
+std::vector<double> sharpnessAlike(const std::vector<ExaminedPhotograph>& good, std::size_t i) {
+  std::vector<std::pair<double, double>> alike;  // how much, and how sharp
+  const std::size_t first = i > kMostCompared / 2 ? i - kMostCompared / 2 : 0;
+  for (std::size_t j = first; j < std::min(good.size(), first + kMostCompared); ++j)
+    if (j != i && sameSize(good[i], good[j]) && std::isfinite(good[j].sharpness))
+      if (const double a = alikeness(good[i], good[j]); a > kAlike) alike.emplace_back(a, good[j].sharpness);
+  std::ranges::sort(alike, std::greater<>());
+  std::vector<double> sharpness;
+  for (const auto& [a, sharp] : alike)
+    if (sharpness.size() < kMostAlike) sharpness.push_back(sharp);
+  return sharpness;
+}
+
+std::string timeText(double seconds) {
+  return seconds < 0.5 ? fmt::format("1/{:.0f} s", 1 / seconds) : fmt::format("{:.1f} s", seconds);
+}
+
+void sharpness(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    const std::vector<double> alike = sharpnessAlike(good, i);
+    if (alike.size() < kLeastAlike || !(good[i].sharpness < kBlur * median(alike))) continue;
+    std::vector<double> all;
+    for (const ExaminedPhotograph& photo : good)
+      if (sameSize(good[i], photo)) all.push_back(photo.sharpness);
+    if (!(good[i].sharpness < kBlur * median(all))) continue;
+    const double time = good[i].info.capture.exposureTime;
+    findings.add({"blur", Severity::warning,
+                  fmt::format("{} is blurred, beside those that look like it{}.", good[i].name,
+                              time > 1.0 / 60 ? fmt::format(" (exposed for {})", timeText(time)) : std::string()),
+                  "Hold the camera still, or use a shorter exposure, and take it again."});
+  }
+}
+
+void repetitions(const std::vector<ExaminedPhotograph>& good, Findings& findings) {
+  for (std::size_t i = 0; i < std::min(good.size(), kMostCompared); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool identical = good[i].hash == good[j].hash;
+      if (!identical && !(alikeness(good[i], good[j]) > kSame)) continue;
+      findings.add(
+          {"repeated", Severity::hint,
+           fmt::format("{} {} {}.", good[i].name, identical ? "is a copy of" : "shows the same as", good[j].name),
+           "One of them will do; a step aside would show more."});
+      break;
+    }
+}
+
+// Those that can be read, and of the others those that the poses name: what is more, the poses need not know.
+std::vector<std::string> namesFor(const PosedModel& model, const std::vector<ExaminedPhotograph>& all,
+                                  const std::vector<PictureFolder::Unread>& unread, Findings& findings) {
+  std::set<std::string> posed;
+  for (const PosedImage& image : model.images) posed.insert(image.name);
+  std::vector<std::string> names, lost;
+  for (const ExaminedPhotograph& photo : all)
+    if (photo.trouble.empty() || posed.contains(photo.name)) names.push_back(photo.name);
+  for (const PictureFolder::Unread& file : unread)
+    if (posed.contains(file.name)) lost.push_back(file.name);
+  if (!lost.empty())
+    findings.add({"poses", Severity::serious,
+                  fmt::format("{} of the photographs that have a pose cannot be read: {}.", lost.size(), someOf(lost)),
+                  "Bring them back, or build without them (--exclude)."});
+  names.insert(names.end(), lost.begin(), lost.end());
+  std::ranges::sort(names);
+  return names;
+}
+
+void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all, const std::vector<PictureFolder::Unread>& unread,
+             const BuildChoices& choices, Findings& findings, const Context& context) {
+  try {
+    const BuildOptions build = buildOptionsOf(choices, folder, context);
+    const fs::path file = posesFile(build);
+    if (file.empty()) {
+      findings.fact("no poses beside them: ibr build estimates them with the program COLMAP");
+      return;
+    }
+    const PosedModel model = readPoses(build, context.log());
+    findings.fact(fmt::format("poses: {}, {} photographs and {} points", file.string(), model.images.size(),
+                              model.tracks.size()));
+    examinePoses(model, namesFor(model, all, unread, findings), findings);
+  } catch (const Error& e) {
+    if (e.code() == ErrorCode::cancelled) throw;
+    findings.add({"poses", Severity::serious, fmt::format("The poses cannot be read: {}.", e.what()),
+                  "Export them again, or take them away: then ibr build estimates poses itself."});
+  }
+}
+
+}  // namespace
+
+void examinePhotographs(const fs::path& folder, const BuildChoices& choices, Findings& findings,
+                        const Context& context) {
+  PictureFolder found;
+  try {
+    found = lookInto(folder);
+  } catch (const fs::filesystem_error& e) {
+    fail(ErrorCode::io, "{}: {}", folder.string(), e.code().message());
+  }
+  videos(folder, found, findings);
+  passedOver(found.unread, findings);
+  const std::vector<ExaminedPhotograph> all = lookAtAll(folder, found.pictures, context);
+  unreadable(all, findings);
+  std::vector<ExaminedPhotograph> good;
+  for (const ExaminedPhotograph& photo : all)
+    if (photo.trouble.empty()) good.push_back(photo);
+  if (good.size() < 2) {
+    findings.add(
+        {"count", Severity::serious,
+         good.empty() ? "There is no photograph in this folder that can be read." : "There is one photograph.",
+         "Take at least three: step to the side by a tenth of the distance to what you photograph, and take the "
+         "same again."});
+    return;
+  }
+  sizes(good, findings);
+  if (all.size() < kFew)
+    findings.add({"count", Severity::hint, fmt::format("There are {} photographs.", all.size()),
+                  "More of them, each with two thirds of its picture in the next, let one walk further."});
+  exposure(good, findings);
+  lenses(good, findings);
+  sharpness(good, findings);
+  repetitions(good, findings);
+  posesOf(folder, all, found.unread, choices, findings, context);
+  if (!choices.build.masks.empty()) examineMasks(choices.build.masks, all, findings);
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Views of a scene against the truth, ours and, where asked, simpler ways to show the same photographs.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batch/evaluate/gathered_views.h"
+#include "batch/evaluate/scores.h"
+#include "ibr/baselines.h"
+#include "shared/camera/camera_path.h"
+#include "shared/cli/context.h"
+#include "shared/draw/scene_renderer.h"
+
+namespace ibr::app {
+
+struct EvaluationOptions {
+  RenderSettings settings;
+  GpuSceneOptions gpuScene;
+  bool seams = false, fitGain = false;
+  std::vector<std::string> baselines;  // names of kBaselines
+  bool guessed = false;                // also Scores::guessed
+  std::filesystem::path truthDepth;    // folder of exact depth (truthDepth in truth.h); empty: none
+  double depthUnit = 0.01;             // world units a step of its pictures
+  double depthBaseline = 0.3;          // DepthTolerance::baseline, world units
+  std::filesystem::path pictures;  // folder for prediction, truth and difference side by side; empty: none
+};
+
+/// Names in JSON, which are also those of the folders of their pictures; and titles.
+inline constexpr std::array kBaselines{std::pair{"nearest", "nearest photograph"},
+                                       std::pair{"lumigraph", "unstructured lumigraph"},
+                                       std::pair{"crossFade", "cross-fade of one cell"},
+                                       std::pair{"paper", "the paper's morph and order, tier 0"},
+                                       std::pair{"paperOrder", "ours in the paper's order"},
+                               std::pair{"gathered", "reference composer"}};
+
+/// What came of a view.
+struct ViewOutcome {
+  std::string name;
+  Scores scores;
+  std::vector<std::pair<std::string, Scores>> baselines = {};  // by their names
+  std::string failure = {};                                    // why there are no scores; empty: there are
+};
+nlohmann::ordered_json outcomeJson(const ViewOutcome& outcome);
+
+/// What outcomeJson wrote. Throws nlohmann::json::exception for anything else.
+ViewOutcome outcomeOf(const nlohmann::ordered_json& json);
+
+class Evaluator {
+ public:
+  /// `views` are those that will be asked for. The scene must outlive it. Throws Error.
+  Evaluator(const Scene& scene, const std::vector<View>& views, const EvaluationOptions& options,
+            const Context& context);
+
+  /// Renders, scores and writes pictures; what is 0 in `used` (one channel, or empty) does not count. Throws Error.
+  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used = {});
+
+  std::string deviceName() const { return renderer_.deviceName(); }
+
+ private:
+  SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
+  SceneRenderer::Picture baseline(const std::string& name, const Camera& view);
+  void measureDepth(const View& view, const ImageF& inverseDepth, Scores& scores) const;
+  Scores gathered(const View& view, const Image8& truth, const Image8& used);
+  void measureAlignment(const Camera& view, Scores& scores) const;
+  void write(const std::filesystem::path& folder, const View& view, const Image8& picture, const Image8& truth) const;
+
+  const Scene& scene_;
+  SceneBounds bounds_;
+  EvaluationOptions options_;
+  SceneRenderer renderer_;
+  std::optional<Baselines> baselines_;
+  std::optional<GatheredViews> gathered_;
+  bool first_ = true;
+};
+
+/// Files that pictures of a view are written to. Throws Error{invalidInput} for a name that leads out of the folder.
+std::vector<std::filesystem::path> evaluationFiles(const EvaluationOptions& options, const std::string& viewName);
+
+/// The table of all views with their means, one of baselines, and the JSON report; `more` joins the report.
+void reportOutcomes(const std::vector<ViewOutcome>& outcomes, const EvaluationOptions& options,
+                    nlohmann::ordered_json more, const Context& context);
+
+}  // namespace ibr::app

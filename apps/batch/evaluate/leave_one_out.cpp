@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/evaluate/leave_one_out.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "author/poses/read_poses.h"
+#include "author/poses/resect.h"
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/files/file_hash.h"
+#include "batch/files/poses.h"
+#include "ibr/author.h"
+#include "shared/cli/progress.h"
+#include "shared/cli/settings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Counts {
+  std::size_t matched = 0, shared = 0;  // cells
+  std::size_t refined = 0;              // views for which the others' poses were
+};
+
+std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const LeaveOneOutOptions& options) {
+  const std::vector<PosedImage>& images = photographs.images();
+  std::vector<std::size_t> chosen;
+  for (const std::string& name : options.views)
+    check(std::ranges::find(images, name, &PosedImage::name) != images.end(), ErrorCode::invalidInput,
+          "{}: has no photograph {} with a pose (--views)", options.photographs, name);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const bool wanted = options.views.empty()
+                            ? i % std::size_t(options.every) == 0
+                            : std::ranges::find(options.views, images[i].name) != options.views.end();
+    if (!wanted) continue;
+    check(images[i].camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
+          "{}: is a panorama. Views are rendered as pinhole cameras see them, so panoramas cannot be left out one by "
+          "one; `ibr eval SCENE --truth` compares with pinhole photographs of the place",
+          images[i].name);
+    chosen.push_back(i);
+  }
+  return chosen;
+}
+
+// Of all that scores depend on but for the view: program, files, options.
+std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build, const PosedPhotographs& photographs,
+                    const Context& context) {
+  Hash hash;
+  addProgram(hash);
+  for (const PosedImage& image : photographs.images()) addFile(hash, fs::path(options.photographs) / image.name);
+  if (!build.model.empty()) addFolder(hash, build.model);
+  if (!build.masks.empty()) addFolder(hash, build.masks);
+  for (const std::string& word : options.words) {
+    std::error_code ignored;
+    hash.add(word);
+    if (fs::is_regular_file(word, ignored)) addFile(hash, word);  // folders: of results, or those above
+  }
+  hash.add(context.options().seed);
+  hash.add(context.options().device);
+  return hash.value();
+}
+
+class LeaveOneOut {
+ public:
+  LeaveOneOut(const BuildOptions& build, bool resect, const EvaluationOptions& evaluation,
+              std::uint64_t key, fs::path work, const Context& context)
+      : build_(build),
+        given_(readPoses(build, {})),
+        resect_(resect),
+        evaluation_(evaluation),
+        key_(key),
+        work_(std::move(work)),
+        context_(context) {
+    build_.output = work_ / ".scene-without-one";
+    build_.finishedCells = work_ / "cells";
+  }
+
+  ViewOutcome evaluate(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress,
+                       Progress place) {
+    if (auto kept = fetch(view.name)) return *kept;
+    ViewOutcome outcome;
+    try {
+      outcome = rebuiltWithout(view, truth, used, progress, place);
+    } catch (const Error& e) {
+      // What this photograph alone can be to blame for.
+      if (e.code() != ErrorCode::invalidInput && e.code() != ErrorCode::unsupported) throw;
+      outcome.name = view.name;
+      outcome.failure = e.what();
+    }
+    fs::create_directories(file(view.name).parent_path());
+    Json json = outcomeJson(outcome);
+    json["device"] = device_;
+    json["posesRefined"] = refined_;
+    counts_.refined += refined_;
+    writeFile(file(view.name), json.dump());
+    return outcome;
+  }
+
+  const Counts& counts() const { return counts_; }
+  const std::string& device() const { return device_; }
+
+ private:
+  fs::path file(const std::string& view) const {
+    Hash hash;
+    hash.add(key_);
+    hash.add(view);
+    return work_ / "views" / fmt::format("{:016x}.json", hash.value());
+  }
+
+  // nullopt where there is none, or its pictures are gone.
+  std::optional<ViewOutcome> fetch(const std::string& view) {
+    if (!fs::exists(file(view))) return std::nullopt;
+    try {
+      const Json json = Json::parse(readTextFile(file(view)));
+      ViewOutcome outcome = outcomeOf(json);
+      const auto pictures = evaluationFiles(evaluation_, view);
+      if (outcome.failure.empty() && !std::ranges::all_of(pictures, [](const fs::path& f) { return fs::exists(f); }))
+        return std::nullopt;
+      if (const std::string device = json.at("device"); !device.empty()) device_ = device;
+      counts_.refined += json.at("posesRefined").get<bool>();
+      return outcome;
+    } catch (const Json::exception&) {
+      return std::nullopt;  // damaged: made again
+    }
+  }
+
+  ViewOutcome rebuiltWithout(const View& view, const Image8& truth, const Image8& used, ProgressLine& progress,
+                             Progress place) {
+    BuildOptions build = build_;
+    build.exclude.push_back(view.name);
+    fs::remove_all(build.output);
+    const BuildReport report = ibr::build(build, [&](const Progress&) { return progress.show(place); });
+    refined_ = !report.refinement.moved.empty();
+    if (refined_) build.model = build.output / ".refined", build.transforms.clear(), build.panoramas.clear();
+    for (const auto& cell : report.cells) ++(cell.resumed ? counts_.shared : counts_.matched);
+    const Scene scene = loadScene(build.output);
+    check(!scene.cells.empty(), ErrorCode::invalidInput, "no cells are left without it");
+    const View among = refined_ || resect_ ? resectedView(view, build) : view;
+    Evaluator evaluator(scene, {among}, evaluation_, context_);
+    device_ = evaluator.deviceName();
+    return evaluator.evaluate(among, truth, used);
+  }
+
+  // Among the poses that the build had; as it was where it shares too few points with them.
+  View resectedView(const View& view, const BuildOptions& build) const {
+    const auto camera = resected(given_, view.name, readPoses(build, {}));
+    if (!camera) return view;
+    const Intrinsics& k = view.camera.intrinsics;
+    return {view.name, {resized(camera->intrinsics, k.width, k.height), camera->pose}};
+  }
+
+  BuildOptions build_;
+  const PosedModel given_;
+  const bool resect_;
+  bool refined_ = false;  // for the view at hand
+  const EvaluationOptions& evaluation_;
+  std::uint64_t key_;
+  fs::path work_;
+  const Context& context_;
+  Counts counts_;
+  std::string device_;
+};
+
+}  // namespace
+
+ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choices,
+                     const EvaluationOptions& evaluation, const Context& context) {
+  BuildOptions build = buildOptionsOf(choices, options.photographs, context);
+  const fs::path poses = !build.panoramas.empty()    ? build.panoramas
+                         : !build.transforms.empty() ? build.transforms
+                                                     : build.model;
+  check(!poses.empty(), ErrorCode::invalidInput,
+        "{}: leaving photographs out needs poses of all of them: give a COLMAP model with --model, or --transforms",
+        options.photographs);
+  const fs::path anywhere = fs::temp_directory_path() / "ibr-leave-one-out";  // the key is not known yet
+  build.output = options.work.empty() ? anywhere : fs::path(options.work);
+  const std::uint64_t key = keyOf(options, build, PosedPhotographs(build, context.log()), context);
+  // The same command finds it again.
+  const fs::path work = options.work.empty() ? fs::temp_directory_path() / fmt::format("ibr-leave-one-out-{:016x}", key)
+                                             : fs::path(options.work);
+  build.output = work;
+  const PosedPhotographs photographs(build, context.log());
+  const std::vector<std::size_t> chosen = chosenViews(photographs, options);
+  std::vector<View> views;
+  for (const std::size_t i : chosen) views.push_back({photographs.images()[i].name, photographs.images()[i].camera});
+  if (!evaluation.pictures.empty()) {
+    checkNamesDiffer(views);
+    for (const View& view : views) evaluationFiles(evaluation, view.name);
+  }
+  context.say(LogLevel::info, "{} of {} photographs are left out, one by one; what is built is kept in {}{}",
+              views.size(), photographs.images().size(), work.string(),
+              options.work.empty() ? " until all are done" : "");
+
+  LeaveOneOut run(build, options.resect, evaluation, key, work, context);
+  std::vector<ViewOutcome> outcomes;
+  {
+    ProgressLine progress(context);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const Progress place{"leaving out", i, views.size()};
+      check(progress.show(place), ErrorCode::cancelled, "stopped");
+      outcomes.push_back(run.evaluate(views[i], photographs.picture(chosen[i]), photographs.mask(chosen[i]), progress,
+                                      place));
+      if (const auto& failure = outcomes.back().failure; !failure.empty())
+        context.say(LogLevel::warning, "{}: {}", views[i].name, failure);
+    }
+    progress.show({"leaving out", views.size(), views.size()});
+  }
+  Json about{{"device", run.device()},
+             {"settings", settingsJson(evaluation.settings, evaluation.gpuScene)},
+             {"photographs", options.photographs},
+             {"model", poses.string()},
+             {"cellsMatched", run.counts().matched},
+             {"cellsShared", run.counts().shared},
+             {"posesRefined", run.counts().refined}};
+  reportOutcomes(outcomes, evaluation, std::move(about), context);
+  context.print("{} cells were matched, {} taken from another view's build\n", run.counts().matched,
+                run.counts().shared);
+  if (build.refinePoses)
+    context.print("poses were refined for {} of {} views, kept for the others\n", run.counts().refined, views.size());
+  fs::remove_all(work / ".scene-without-one");
+  if (options.work.empty()) fs::remove_all(work);
+  check(std::ranges::any_of(outcomes, [](const ViewOutcome& o) { return o.failure.empty(); }), ErrorCode::invalidInput,
+        "{}: no photograph could be left out: {}", options.photographs, outcomes.empty() ? "" : outcomes[0].failure);
+  return kExitOk;
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+// How steady and how whole a walk is: every frame is rendered and compared with the one before it.
+//
+// A step is the mean absolute difference between neighbouring frames, in levels. Motion alone makes steps; a switch of
+// the main cell that cannot be seen makes none larger than they are.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+#include "base/check.h"
+#include "batch/command.h"
+#include "batch/files/poses.h"
+#include "batch/evaluate/union_of_views.h"
+#include "batch/evaluate/walk_figures.h"
+#include "ibr/metrics.h"
+#include "io/image_file.h"
+#include "shared/camera/auto_path.h"
+#include "shared/cli/options.h"
+#include "shared/draw/pictures.h"
+#include "shared/cli/progress.h"
+#include "shared/draw/scene_renderer.h"
+#include "shared/cli/settings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kDifferenceGain = 4;
+
+constexpr std::size_t kHoldPeriod = 10;  // frames of the walk between two places where the camera is held still
+constexpr double kHoldStepSeconds = 1.0 / 30;
+// Longest time that plans are given to settle. Backdrops that leave, come and leave again do so one after the other, so
+// that fades take up to four switchSeconds.
+constexpr double kMaxSettleSwitches = 10, kMinSettleSeconds = 1;
+constexpr std::size_t kMinHeldFrames = 3, kMaxHeldFrames = 60;  // rendered and compared
+
+struct Options {
+  std::string scene, poses, output;
+  int autoFrames = 300;
+  PictureSize size;
+  RenderSettings settings;
+  GpuSceneOptions gpuScene;
+  bool pop = false, stereo = false;
+  double ipd = 0;
+};
+
+void measureTiers(const Image8& image, const UnionOfViews& photographs, const Camera& camera, WalkFrame& frame) {
+  frame.tier = tierShares(image);
+  frame.coverage = std::accumulate(frame.tier.begin(), frame.tier.end(), 0.0);
+  std::size_t inside = 0, covered = 0;
+  for (const glm::ivec2 pixel : photographs.pixelsSeen(camera)) {
+    ++inside;
+    covered += image.values[4 * (std::size_t(pixel.y) * std::size_t(image.width) + std::size_t(pixel.x)) + 3] > 0;
+  }
+  if (inside > 0) frame.coverageInside = double(covered) / double(inside);
+}
+
+// The two frames of the largest step.
+struct WorstStep {
+  double step = -1;
+  Image8 before, after;
+};
+
+class Walk {
+ public:
+  Walk(const Options& options, const Scene& scene, const std::vector<Frame>& frames, const Context& context)
+      : options_(options),
+        scene_(scene),
+        bounds_(sceneBounds(scene)),
+        frames_(frames),
+        photographs_(scene),
+        settings_(options.settings) {
+    std::vector<View> views;
+    for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
+    RendererOptions wanted = optionsFor(settings_, {});
+    if (options.stereo) {
+      wanted.views = 2;
+      wanted.buffers = &scene;
+    }
+    renderer_.emplace(scene, views, options.gpuScene, wanted, context);
+    settings_.alpha = AlphaContent::tier;
+  }
+
+  // To the i-th frame, after the one before.
+  void go(std::size_t i) {
+    const double dtSeconds = i > 0 ? frames_[i][0].time - frames_[i - 1][0].time : 0.0;
+    std::vector<SceneRenderer::Picture> pictures = renderer_->render(eyesOf(i), settings_, state_, dtSeconds);
+    Image8& image = pictures[0].image;
+    WalkFrame& frame = measured_.emplace_back();
+    frame.name = frames_[i][0].name;
+    frame.mainCell = state_.mainCell;
+    frame.switching = (i > 0 && measured_[i - 1].mainCell != frame.mainCell) || !state_.former.empty();
+    measureTiers(image, photographs_, frames_[i][0].camera, frame);
+    if (i > 0) frame.step = difference(image, before_, 0).meanAbsolute;
+    if (i > 0 && options_.pop) frame.flipStep = flip(image, before_);
+    if (options_.stereo)
+      frame.eyes = eyeAgreement(pictures[0], frames_[i][0].camera, pictures[1], frames_[i][1].camera);
+    if (isHeld(i)) frame.flicker = flickerAt(i);
+    if (frame.step > worst_.step) worst_ = {frame.step, before_, image};
+    before_ = std::move(image);
+  }
+
+  const std::vector<WalkFrame>& measured() const { return measured_; }
+  const WorstStep& worst() const { return worst_; }
+  const RenderSettings& settings() const { return settings_; }
+  std::string deviceName() const { return renderer_->deviceName(); }
+
+ private:
+  std::vector<Camera> eyesOf(std::size_t i) const {
+    std::vector<Camera> eyes;
+    for (const View& view : frames_[i]) eyes.push_back(view.camera);
+    return eyes;
+  }
+
+  static bool isHeld(std::size_t i) { return i % kHoldPeriod == 0; }
+
+  // Exposure is adapted at once: it approaches its target for ever, by less and less.
+  RenderSettings heldSettings() const {
+    RenderSettings held = settings_;
+    held.exposureSeconds = 0;
+    return held;
+  }
+
+  struct Rest {
+    PlanState state;         // when the plans of a still camera have settled
+    double seconds = 0;      // until then
+    std::size_t period = 0;  // frames after which plans repeat, 1 where they no longer change; 0: no repetition found
+  };
+
+  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one that
+  // is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
+  Rest settle(std::size_t i) const {
+    const FrameInput input{eyesOf(i), heldSettings(), kHoldStepSeconds};
+    Rest rest{state_};
+    rest.state.colourAge = 0;
+    PlanState compared = rest.state;
+    const double maxSeconds = std::max(kMaxSettleSwitches * settings_.switchSeconds, kMinSettleSeconds);
+    for (std::size_t since = 1, limit = 1; rest.seconds <= maxSeconds; ++since) {
+      PlanState next = planFrame(scene_, bounds_, input, rest.state).next;
+      next.colourAge = 0;  // counts frames, so that it never settles
+      if (next == rest.state)
+        rest.period = 1;
+      else if (next == compared)
+        rest.period = since;
+      if (rest.period > 0) return rest;
+      rest.state = std::move(next);
+      rest.seconds += kHoldStepSeconds;
+      if (since == limit) {
+        compared = rest.state;
+        limit *= 2;
+        since = 0;
+      }
+    }
+    return rest;
+  }
+
+  // Returns the largest difference between rendered frames of a still camera after its plans have settled. The walk's
+  // own state stays as it is. Renders one period of the plans, since a frame depends on its plan alone. Colour tables
+  // live on the device, so with colour mapping every frame is rendered until the tables have settled too.
+  int flickerAt(std::size_t i) {
+    const Rest rest = settle(i);
+    PlanState state = rest.state;
+    std::size_t frames = rest.period > 0 ? std::clamp(rest.period + 1, kMinHeldFrames, kMaxHeldFrames) : kMaxHeldFrames;
+    const auto hold = [&] { return renderer_->render(eyesOf(i), heldSettings(), state, kHoldStepSeconds)[0].image; };
+    if (settings_.colourMapping != ColourMapping::off) {
+      state = state_;
+      const double seconds = rest.seconds + settings_.colourFadeSeconds + 8 * settings_.colourSmoothSeconds;
+      for (double passed = 0; passed < seconds; passed += kHoldStepSeconds) hold();
+      frames = std::max(frames, std::size_t(std::max(settings_.colourPeriod, 0)) + 1);
+    }
+    const Image8 still = hold();
+    int flicker = 0;
+    for (std::size_t k = 1; k < frames; ++k) flicker = std::max(flicker, difference(still, hold(), 0).largest);
+    return flicker;
+  }
+
+  const Options& options_;
+  const Scene& scene_;
+  SceneBounds bounds_;
+  const std::vector<Frame>& frames_;
+  UnionOfViews photographs_;
+  RenderSettings settings_;
+  std::optional<SceneRenderer> renderer_;
+  PlanState state_;
+  std::vector<WalkFrame> measured_;
+  Image8 before_;
+  WorstStep worst_;
+};
+
+ExitCode walk(const Options& options, const Context& context) {
+  const Scene scene = loadScene(options.scene);
+  const std::vector<View> views =
+      options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
+                            : readViews(options.poses, options.size, context.log(), options.stereo);
+  const std::vector<Frame> frames = framesOf(views, options.stereo, options.ipd);
+  Walk walk(options, scene, frames, context);
+  {
+    ProgressLine progress(context);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      check(progress.show({"walking", i, frames.size()}), ErrorCode::cancelled, "stopped");
+      walk.go(i);
+    }
+    progress.show({"walking", frames.size(), frames.size()});
+  }
+  if (!options.output.empty() && walk.worst().step >= 0) {
+    fs::create_directories(options.output);
+    const Image8 a = rgb(walk.worst().before), b = rgb(walk.worst().after);
+    writeImage(fs::path(options.output) / "largest_step.png",
+               sideBySide({a, b, absoluteDifference(a, b, kDifferenceGain)}));
+  }
+  const WalkSummary summary = summaryOf(walk.measured());
+  context.print("{}", summaryTable(summary, frames.size()).text());
+  Json report{{"frames", Json::array()}};
+  for (const WalkFrame& frame : walk.measured()) report["frames"].push_back(frameJson(frame));
+  report.update(summaryJson(summary));
+  report["device"] = walk.deviceName();
+  report["settings"] = settingsJson(walk.settings(), options.gpuScene);
+  report["scene"] = options.scene;
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kWalkCommand{
+    .name = "walk",
+    .summary = "Measures how steady and how whole the pictures of a walk are",
+    .examples =
+        "ibr walk scene\n"
+        "ibr walk scene --frames 600 --size 640x360 -o worst\n"
+        "ibr walk scene --poses path.json --json walk.json\n"
+        "ibr walk scene --frames 60 --size 640x360 --pop --stereo --ipd 0.063",
+    .details =
+        "A step is the mean absolute difference between neighbouring frames, in levels of 255. A switch lasts until "
+        "the\n"
+        "mixture of the two orders of cells is over. What photographs see: pixels whose rays lie in the picture of "
+        "one\n"
+        "photograph from a near distance (a tenth of the scene's points are nearer) to infinity. -o writes the two\n"
+        "frames of the largest step, and four times their difference. At every tenth frame the camera is also held "
+        "still\n"
+        "until nothing fades any more: pictures that differ after that flicker, and the worst place is reported. --pop\n"
+        "also tells steps as FLIP, of which the largest at a switch is the pop. --stereo compares what both eyes see "
+        "at\n"
+        "the same depth.",
+    .afterInterrupt = "Nothing was reported; run the same command again.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      auto* frames = addInt(app, "--frames", options->autoFrames, 2, 1'000'000,
+                            "Frames of an automatic walk between and slightly beyond the photographs, 30 a second");
+      app.add_option("--poses", options->poses, "Camera path to walk")->type_name("FILE")->excludes(frames);
+      app.add_option("-o,--output", options->output, "Folder for the picture of the largest step")->type_name("DIR");
+      app.add_flag("--pop", options->pop, "Also steps as FLIP, which takes about as long as drawing");
+      auto* stereo = app.add_flag("--stereo", options->stereo, "Two eyes, and how far they agree");
+      addDouble(app, "--ipd", options->ipd, 1e-9, 1e9, "Distance of the eyes in world units")->needs(stereo);
+      addSize(app, "--size", options->size, "Size of the pictures [that of the path; else of the photographs]");
+      declareSettings(app, options->settings);
+      declareGpuScene(app, options->gpuScene);
+      return [options](const Context& context) { return walk(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+// [H] §4.2, figs 10 and 11.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/htm/htm_commands.h"
+#include "batch/htm/htm_judge.h"
+#include "batch/htm/htm_options.h"
+#include "batch/files/poses.h"
+#include "batch/files/truth.h"
+#include "io/image_file.h"
+#include "shared/cli/htm_view_settings.h"
+#include "shared/cli/options.h"
+#include "shared/draw/pictures.h"
+#include "shared/report/plot.h"
+#include "shared/cli/progress.h"
+#include "shared/report/table.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string model, truth, poses, output;
+  std::vector<std::string> views;
+  bool leaveOneOut = false, keepMesh = false;
+  HtmSettings settings;
+};
+
+Image8 threshold(const Image8& grey, int least) {
+  Image8 mask(grey.width, grey.height, 1);
+  for (int y = 0; y < grey.height; ++y)
+    for (int x = 0; x < grey.width; ++x) mask.pixel(x, y)[0] = grey.pixel(x, y)[0] >= least ? 255 : 0;
+  return mask;
+}
+
+// Masks beside the truth's images, where there are any.
+Image8 truthMask(const fs::path& truth, const View& view) {
+  const fs::path masks = truth / "masks";
+  if (!fs::is_directory(masks)) return {};
+  const fs::path file = pictureFile(masks, view.name);
+  const Image8 mask = threshold(readImage(file), 128);
+  check(mask.width == view.camera.intrinsics.width && mask.height == view.camera.intrinsics.height,
+        ErrorCode::invalidInput, "{}: the mask has not its picture's size", file.string());
+  return mask;
+}
+
+std::vector<HtmVerdict> againstTruth(const Options& options, const HtmModel& model, Device& device,
+                                     ProgressLine& progress, const Context& context) {
+  const Truth truth(options.truth, options.views, context.log());
+  HtmJudge judge(model, device, readHtmPicture);
+  std::vector<HtmVerdict> verdicts;
+  for (const View& view : truth.views()) {
+    check(progress.show({"comparing", verdicts.size(), truth.views().size()}), ErrorCode::cancelled, "stopped");
+    verdicts.push_back(
+        judge.judge({view.name, view.camera, truth.picture(view), truthMask(options.truth, view)}, options.settings));
+  }
+  return verdicts;
+}
+
+// A camera as it was given, with its picture. Where there were masks, what is visible of the object is its mask; else
+// what is visible is what the mesh covers, to which this camera's own picture has contributed.
+HtmPhotograph photographOf(const HtmModel& model, std::size_t i) {
+  HtmPicture picture = readHtmPicture(model, i);
+  HtmPhotograph photograph{model.cameras[i], std::move(picture.photograph), {}};
+  if (!picture.visibility.empty() && htmHasMasks(model.settings)) photograph.mask = threshold(picture.visibility, 1);
+  if (photograph.camera.given) photograph.camera.camera = *photograph.camera.given;
+  photograph.camera.given.reset();
+  return photograph;
+}
+
+class LeaveOneOut {
+ public:
+  LeaveOneOut(const Options& options, const HtmModel& model, const Context& context)
+      : options_(options), model_(model), optimise_(withThreads(htmOptionsOf(model.settings), context)) {
+    for (std::size_t i = 0; i < model.cameras.size(); ++i) photographs_.push_back(photographOf(model, i));
+    if (options.poses.empty()) return;
+    for (const View& view : readViews(options.poses, {}, context.log())) poses_.push_back(view);
+  }
+
+  HtmVerdict without(std::size_t i, Device& device, const ProgressCallback& progress) {
+    const HtmPhotograph& left = photographs_[i];
+    const HtmTruthView view{left.camera.name, poseOf(left), left.picture, left.mask};
+    HtmSettings settings = options_.settings;
+    if (options_.keepMesh) {
+      settings.exclude |= CameraSet(1) << i;
+      return HtmJudge(model_, device,
+                      [&](const HtmModel&, std::size_t k) {
+                        return HtmPicture{photographs_[k].picture, readHtmPicture(model_, k).visibility};
+                      })
+          .judge(view, settings);
+    }
+    std::vector<HtmPhotograph> others = photographs_;
+    others.erase(others.begin() + std::ptrdiff_t(i));
+    const HtmResult rebuilt = harmonise(model_.source->mesh, others, optimise_, progress);
+    return HtmJudge(rebuilt.model, device,
+                    [&](const HtmModel&, std::size_t k) {
+                      return HtmPicture{others[k].picture, rebuilt.visibility[k]};
+                    })
+        .judge(view, settings);
+  }
+
+ private:
+  Camera poseOf(const HtmPhotograph& photograph) const {
+    if (options_.poses.empty()) return photograph.camera.camera;
+    const auto found = std::ranges::find(poses_, photograph.camera.name, &View::name);
+    check(found != poses_.end(), ErrorCode::invalidInput, "{}: has no view {}", options_.poses, photograph.camera.name);
+    check(found->camera.intrinsics.width == photograph.picture.width &&
+              found->camera.intrinsics.height == photograph.picture.height,
+          ErrorCode::invalidInput, "{}: {} is not of the photograph's size", options_.poses, photograph.camera.name);
+    return found->camera;
+  }
+
+  const Options& options_;
+  const HtmModel& model_;
+  HtmOptions optimise_;
+  std::vector<HtmPhotograph> photographs_;
+  std::vector<View> poses_;
+};
+
+std::vector<HtmVerdict> leavingOneOut(const Options& options, const HtmModel& model, Device& device,
+                                      ProgressLine& progress, const Context& context) {
+  check(options.keepMesh || model.source.has_value(), ErrorCode::invalidInput,
+        "{}: the model keeps no mesh of before it was optimised; --keep-mesh needs none", options.model);
+  std::set<std::string> unknown(options.views.begin(), options.views.end());
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < model.cameras.size(); ++i)
+    if (unknown.erase(model.cameras[i].name) > 0 || options.views.empty()) chosen.push_back(i);
+  check(unknown.empty(), ErrorCode::invalidInput, "{}: has no camera {} (--views)", options.model,
+        unknown.empty() ? std::string() : *unknown.begin());
+  LeaveOneOut leave(options, model, context);
+  std::vector<HtmVerdict> verdicts;
+  for (const std::size_t i : chosen) {
+    const std::size_t done = verdicts.size();
+    check(progress.show({"leaving one out", done, chosen.size()}), ErrorCode::cancelled, "stopped");
+    // Its own stages would hide how far this is.
+    verdicts.push_back(leave.without(i, device, [&](const Progress&) {
+      return progress.show({"leaving one out", done, chosen.size()});
+    }));
+    context.say(LogLevel::info, "{}: htm {:.2f} dB, vdtbm {:.2f}, vdvbm {:.2f}", verdicts.back().name,
+                verdicts.back().score[kHtm].psnr, verdicts.back().score[kVdtbm].psnr,
+                verdicts.back().score[kVdvbm].psnr);
+  }
+  return verdicts;
+}
+
+Json scoreJson(const HtmScore& score) {
+  const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+  return {{"psnr", number(score.psnr)}, {"ssim", number(score.ssim)}, {"psnrCovered", number(score.psnrCovered)}};
+}
+
+Json rivalsJson(const std::array<HtmScore, kHtmRivalCount>& scores) {
+  Json json = Json::object();
+  for (std::size_t r = 0; r < kHtmRivalCount; ++r) json[kHtmRivalNames[r]] = scoreJson(scores[r]);
+  return json;
+}
+
+void printTable(const std::vector<HtmVerdict>& verdicts, const Context& context) {
+  Table table;
+  table.row({"view", "HTM dB", "VDTBM", "VDVBM", "VDTBM, adjusted cameras", "HTM covered dB", "VDTBM", "VDVBM",
+             "HTM SSIM", "VDTBM", "VDVBM"});
+  const auto add = [&](const std::string& name, const std::array<HtmScore, kHtmRivalCount>& s) {
+    table.row({name, numberText(s[kHtm].psnr, 2), numberText(s[kVdtbm].psnr, 2), numberText(s[kVdvbm].psnr, 2),
+               numberText(s[kVdtbmAdjusted].psnr, 2), numberText(s[kHtm].psnrCovered, 2),
+               numberText(s[kVdtbm].psnrCovered, 2), numberText(s[kVdvbm].psnrCovered, 2), numberText(s[kHtm].ssim, 4),
+               numberText(s[kVdtbm].ssim, 4), numberText(s[kVdvbm].ssim, 4)});
+  };
+  for (const HtmVerdict& verdict : verdicts) add(verdict.name, verdict.score);
+  add("mean", meanScores(verdicts));
+  context.print("{}", table.text());
+}
+
+// [H] fig. 10.
+std::string plotOf(const std::vector<HtmVerdict>& verdicts, const std::string& title) {
+  PlotPanel panel{.title = "PSNR", .xName = "view", .yName = "dB"};
+  const std::array<const char*, kHtmRivalCount> names{"HTM", "VDTBM", "VDVBM", "VDTBM, adjusted cameras"};
+  for (std::size_t r = 0; r < kHtmRivalCount; ++r) {
+    PlotSeries series{names[r], {}};
+    for (std::size_t v = 0; v < verdicts.size(); ++v)
+      series.points.push_back({double(v + 1), verdicts[v].score[r].psnr, r == 0 ? verdicts[v].name : std::string()});
+    panel.series.push_back(std::move(series));
+  }
+  return plotSvg(title, {panel}, {"PSNR over the object's pixels; what is not drawn counts as black."});
+}
+
+// [H] fig. 11: the object, photographed, then VDVBM, VDTBM and HTM.
+void writePictures(const HtmVerdict& verdict, const fs::path& folder) {
+  const Image8& truth = verdict.truth;
+  int left = truth.width, right = 0, top = truth.height, bottom = 0;
+  for (int y = 0; y < truth.height; ++y)
+    for (int x = 0; x < truth.width; ++x)
+      if (verdict.picture[kHtm].pixel(x, y)[3] > 0)
+        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+  if (right < left) return;
+  const auto cropped = [&](const Image8& image) {
+    Image8 crop(right - left + 1, bottom - top + 1, 3);
+    for (int y = 0; y < crop.height; ++y)
+      for (int x = 0; x < crop.width; ++x)
+        std::ranges::copy(image.pixel(left + x, top + y).first(3), crop.pixel(x, y).begin());
+    return crop;
+  };
+  std::vector<Image8> row{cropped(truth)};
+  for (const HtmRival rival : {kVdvbm, kVdtbm, kHtm}) row.push_back(cropped(verdict.picture[rival]));
+  const fs::path file = pictureFile(folder, verdict.name);
+  makeFolders(file.parent_path());
+  writeImage(file, sideBySide(row));
+}
+
+ExitCode evaluate(const Options& options, const Context& context) {
+  const HtmModel model = loadHtmModel(options.model);
+  Device device = Device::create({.device = context.options().device, .log = context.log()});
+  std::vector<HtmVerdict> verdicts;
+  {
+    ProgressLine progress(context);
+    verdicts = options.leaveOneOut ? leavingOneOut(options, model, device, progress, context)
+                                   : againstTruth(options, model, device, progress, context);
+  }
+  if (!options.output.empty()) {
+    const fs::path folder = options.output;
+    for (const HtmVerdict& verdict : verdicts) writePictures(verdict, folder);
+    makeFolders(folder);
+    writeFile(folder / "psnr.svg", plotOf(verdicts, options.model));
+  }
+  printTable(verdicts, context);
+  Json json{{"views", Json::array()}, {"mean", rivalsJson(meanScores(verdicts))}};
+  for (const HtmVerdict& verdict : verdicts) {
+    Json entry{{"name", verdict.name}};
+    entry.update(rivalsJson(verdict.score));
+    json["views"].push_back(std::move(entry));
+  }
+  json["device"] = device.name();
+  json["settings"] = {{"gamma", options.settings.gamma},
+                      {"weightCut", options.settings.weightCut},
+                      {"leaveOneOut", options.leaveOneOut},
+                      {"keepMesh", options.keepMesh},
+                      {"poses", options.poses}};
+  json["model"] = options.model;
+  context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kHtmEvalCommand{
+    .name = "eval",
+    .summary = "Compares harmonised texture mapping with blended photographs and vertex colours",
+    .examples =
+        "ibr htm eval model --leave-one-out -o comparison\n"
+        "ibr htm eval model --truth held-out -o comparison --json -\n"
+        "ibr htm eval model --leave-one-out --poses exact/sparse --views cam03.jpg cam07.jpg",
+    .details =
+        "HTM draws the model; VDTBM, photographs blended as they are, and VDVBM, colours of vertices, draw the mesh as "
+        "it\n"
+        "was given with the cameras as they were given. A fourth column is VDTBM with the cameras that harmonising\n"
+        "adjusted: what of the gain is theirs. All have the same weights, visibility and masks.\n"
+        "--leave-one-out makes the model anew without each photograph, and views it from its camera as that was "
+        "given,\n"
+        "or as --poses has it. --truth DIR has images/, a COLMAP model in sparse/ and perhaps masks/.\n"
+        "PSNR and SSIM are over the object's pixels, those of the mask; what is not drawn counts as black. 'Covered' "
+        "is\n"
+        "over what all methods draw of it; without masks the other figures are, too.\n"
+        "-o writes psnr.svg, and for each view a row: photograph, VDVBM, VDTBM, HTM.",
+    .afterInterrupt = "Nothing was reported; run the same command again, with --views for a part of it.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("MODEL", options->model, "Model folder")->required();
+      CLI::Option* truth =
+          app.add_option("--truth", options->truth, "Views whose pictures are known")->type_name("DIR");
+      CLI::Option* leave =
+          app.add_flag("--leave-one-out", options->leaveOneOut, "Each photograph against a model without it")
+              ->excludes(truth);
+      app.add_flag("--keep-mesh", options->keepMesh,
+                   "With --leave-one-out: the model is not made anew; the camera is only left out of the drawing")
+          ->needs(leave);
+      app.add_option("--poses", options->poses, "With --leave-one-out: where the cameras really were")
+          ->needs(leave)
+          ->type_name("FILE|DIR");
+      app.add_option("--views", options->views, "These views alone")->type_name("NAME");
+      app.add_option("-o,--output", options->output, "Folder for pictures and plot; made where it is missing")
+          ->type_name("DIR");
+      declareHtmSettings(app, options->settings);
+      app.callback([options] {
+        if (options->truth.empty() && !options->leaveOneOut) throw CLI::RequiredError("--truth or --leave-one-out");
+      });
+      return [options](const Context& context) { return evaluate(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/htm/htm_render_views.h"
+
+#include <algorithm>
+#include <functional>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/files/poses.h"
+#include "ibr/error.h"
+#include "shared/camera/auto_path.h"
+#include "shared/draw/htm_player.h"
+#include "shared/cli/htm_view_settings.h"
+#include "shared/draw/picture_record.h"
+#include "shared/draw/pictures.h"
+#include "shared/cli/progress.h"
+#include "shared/report/statistics.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A picture that is asked for.
+struct Shot {
+  View view;
+  double seconds = 0;    // of the video
+  double dtSeconds = 0;  // since the shot before
+  bool first = false;    // weights do not follow those of the shot before
+};
+
+std::vector<View> viewsOf(const HtmModel& model, const HtmViewsOptions& options, const Context& context) {
+  if (options.autoFrames == 0) return readViews(options.poses, options.size, context.log());
+  Scene scene;  // of the photographs' places alone
+  for (const HtmCamera& camera : model.cameras) scene.nodes.push_back({camera.name, camera.camera, {}, {}});
+  return frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height));
+}
+
+// Poses that know no time are one of 3D video's frames each, where it is not to stand still.
+std::vector<Shot> shotsOf(std::vector<View> views, const HtmViewsOptions& options, double fps) {
+  const bool isPath = options.autoFrames > 0 || isWalk(options.poses);
+  const bool plays = !isPath && fps > 0 && !options.time;
+  std::vector<Shot> shots;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double now = plays ? double(i) / fps : views[i].time;
+    const double before = i == 0 ? now : plays ? double(i - 1) / fps : views[i - 1].time;
+    shots.push_back({views[i], options.time.value_or(now), now - before, i == 0 || !(isPath || plays)});
+  }
+  return shots;
+}
+
+double coverageOf(const Image8& picture) {
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < picture.values.size(); i += 4) covered += picture.values[i] > 0;
+  return double(covered) * 4 / double(std::max<std::size_t>(picture.values.size(), 1));
+}
+
+Json framesJson(const HtmPlayer& player) {
+  Json list = Json::array();
+  for (const HtmPlayer::Shown& shown : player.shown())
+    list.push_back({{"frame", shown.frame},
+                    {"name", shown.name},
+                    {"pictures", shown.pictures},
+                    {"loadMs", shown.loading},
+                    {"waitMs", shown.waiting},
+                    {"uploadMs", shown.upload},
+                    {"prepareMs", shown.preparation},
+                    {"renderMs", shown.rendering}});
+  return list;
+}
+
+double median(const std::vector<HtmPlayer::Shown>& shown, double HtmPlayer::Shown::*time) {
+  std::vector<double> times;
+  for (const HtmPlayer::Shown& frame : shown) times.push_back(frame.*time);
+  return quantile(times, 0.5);
+}
+
+void printFrames(const HtmPlayer& player, const Context& context) {
+  using Shown = HtmPlayer::Shown;
+  const std::vector<Shown>& shown = player.shown();
+  context.print(
+      "{} frames shown; each loaded in {:.1f} ms (waited for: {:.1f}), uploaded in {:.1f}, prepared in {:.1f}, "
+      "drawn in {:.1f}\n",
+      shown.size(), median(shown, &Shown::loading), median(shown, &Shown::waiting), median(shown, &Shown::upload),
+      median(shown, &Shown::preparation), median(shown, &Shown::rendering));
+}
+
+}  // namespace
+
+void declareHtmViews(CLI::App& app, HtmViewsOptions& options) {
+  declareHtmPictureSettings(app, options.settings, options.onSource);
+  app.add_option_function<std::string>(
+         "--time", [&options](const std::string& text) { options.time = parsedDouble("--time", text, 0, 1e9); },
+         "Of 3D video: this moment alone, from all poses [that of each pose]")
+      ->type_name("SECONDS");
+}
+
+void checkHtmViews(const HtmViewsOptions& options, std::optional<AssetKind> kind) {
+  if (options.time && kind == AssetKind::htmModel)
+    throw CLI::ValidationError("--time", "is of 3D video, and " + options.model + " a single model");
+}
+
+ExitCode renderHtmViews(const HtmViewsOptions& options, const Context& context) {
+  HtmPlayerOptions play{.onSource = options.onSource, .seconds = options.time.value_or(0), .graph = options.graph};
+  if (options.time) play.ahead = 0;
+  HtmPlayer player(options.model, play, context);
+  std::vector<View> views = viewsOf(player.model(), options, context);
+  if (options.fovDegrees > 0) setFov(views, glm::radians(options.fovDegrees));
+  checkNamesDiffer(views);
+  for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
+  const std::vector<Shot> shots = shotsOf(std::move(views), options, player.fps());
+
+  Json drawn = htmSettingsJson(options.settings, options.onSource);
+  drawn["graph"] = options.graph;
+  Json written = Json::array();
+  std::vector<double> coverage, weights, coordinates, rasterisation;
+  HtmState walk;
+  {
+    ProgressLine progress(context);
+    for (const Shot& shot : shots) {
+      check(progress.show({"rendering", written.size(), shots.size()}), ErrorCode::cancelled, "stopped");
+      if (shot.first) walk = {};
+      HtmPlayer::Picture picture =
+          player.render(shot.view.camera, shot.seconds, options.settings, walk, shot.dtSeconds);
+      coverage.push_back(coverageOf(picture.image));
+      if (options.graph) makeOpaque(picture.image);  // lines lie beside the object too
+      const fs::path file = pictureFile(options.output, shot.view.name);
+      makeFolders(file.parent_path());
+      writePicture(file, picture.image,
+                   {shot.view.camera, player.isVideo() ? std::optional(shot.seconds) : std::nullopt, drawn});
+      weights.push_back(picture.weights);
+      coordinates.push_back(picture.coordinates);
+      rasterisation.push_back(picture.rasterisation);
+      Json entry{{"name", shot.view.name},
+                 {"file", file.string()},
+                 {"coverage", coverage.back()},
+                 {"weightsMs", picture.weights},
+                 {"coordinatesMs", picture.coordinates},
+                 {"rasterisationMs", picture.rasterisation},
+                 {"milliseconds", picture.milliseconds}};
+      if (player.isVideo()) {
+        entry["time"] = shot.seconds;
+        entry["frame"] = picture.frame;
+      }
+      written.push_back(std::move(entry));
+    }
+    progress.show({"rendering", shots.size(), shots.size()});
+  }
+  context.print(
+      "{} pictures in {}; coverage {:.4f}, weights {:.3f} ms, coordinates {:.3f} ms, rasterisation {:.3f} ms\n",
+      shots.size(), options.output, mean(coverage), quantile(weights, 0.5), quantile(coordinates, 0.5),
+      quantile(rasterisation, 0.5));
+  if (player.isVideo()) printFrames(player, context);
+  Json settings = drawn;
+  settings["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
+  settings["time"] = options.time ? Json(*options.time) : Json();
+  context.report(Json{{"views", written},
+                      {"frames", framesJson(player)},
+                      {"device", player.deviceName()},
+                      {"settings", settings},
+                      {player.isVideo() ? "sequence" : "model", options.model}}
+                     .dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace ibr::app

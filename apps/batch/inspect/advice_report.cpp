@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/inspect/advice_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include "base/check.h"
+#include "batch/files/colmap_views.h"
+#include "shared/camera/camera_json.h"
+#include "shared/camera/camera_path.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::size_t kMostOfAKind = 4;
+constexpr double kWorthIt = 0.1;  // gain of the best further view below which none is needed
+
+std::string percent(double share) {
+  return fmt::format("{:.0f} %", 100 * share);
+}
+
+}  // namespace
+
+std::string adviceText(const CaptureAdvice& advice) {
+  std::string text;
+  std::map<AdviceKind, std::size_t> total, told;
+  for (const Advice& one : advice.advice) ++total[one.kind];
+  for (const Advice& one : advice.advice) {
+    if (++told[one.kind] <= kMostOfAKind)
+      text += fmt::format("{} {}{}{}\n",
+                          one.severity == Severity::hint      ? "-"
+                          : one.severity == Severity::warning ? "!"
+                                                              : "!!",
+                          one.sentence, one.remedy.empty() ? "" : " ", one.remedy);
+    if (told[one.kind] == kMostOfAKind + 1)
+      text += fmt::format("  and {} more of this kind (all of them: --json)\n", total[one.kind] - kMostOfAKind);
+  }
+  if (text.empty()) text = "nothing is amiss with these photographs\n";
+  if (advice.views.empty()) return text;
+  text += fmt::format("\n{}: a walk between the photographs would show about {} of what they see well, then {}\n",
+                      advice.views[0].gain < kWorthIt ? "if you want to add some, add these" : "photographs to add",
+                      percent(advice.shown), percent(advice.shownThen));
+  for (std::size_t v = 0; v < advice.views.size(); ++v)
+    text += fmt::format("{:>3}  {}\n", v + 1, advice.views[v].where);
+  return text;
+}
+
+nlohmann::ordered_json adviceJson(const Scene& scene, const CaptureAdvice& advice) {
+  using Json = nlohmann::ordered_json;
+  const auto names = [&](const std::vector<std::uint32_t>& nodes) {
+    Json list = Json::array();
+    for (const std::uint32_t n : nodes) list.push_back(scene.nodes[n].name);
+    return list;
+  };
+  Json json{
+      {"advice", Json::array()}, {"shown", advice.shown}, {"shownThen", advice.shownThen}, {"next", Json::array()}};
+  for (const Advice& one : advice.advice)
+    json["advice"].push_back({{"kind", adviceKindName(one.kind)},
+                              {"severity", severityName(one.severity)},
+                              {"sentence", one.sentence},
+                              {"remedy", one.remedy},
+                              {"photographs", names(one.nodes)},
+                              {"figure", std::isfinite(one.figure) ? Json(one.figure) : Json(nullptr)}});
+  for (const NextView& view : advice.views) {
+    Json camera = intrinsicsJson(view.camera.intrinsics);
+    addPose(camera, view.camera.pose);
+    json["next"].push_back(
+        {{"where", view.where}, {"beside", names(view.beside)}, {"gain", view.gain}, {"view", std::move(camera)}});
+  }
+  return json;
+}
+
+void writeNextViews(const std::filesystem::path& file, const CaptureAdvice& advice) {
+  check(!advice.views.empty(), ErrorCode::invalidInput, "{}: there is no photograph to add", file.string());
+  std::vector<View> views;
+  for (std::size_t v = 0; v < advice.views.size(); ++v) {
+    const Camera& camera = advice.views[v].camera;
+    check(camera.intrinsics.model == CameraModel::pinhole, ErrorCode::invalidInput,
+          "{}: panoramas to add are told in words and in --json", file.string());
+    views.push_back({fmt::format("next_{:02}.png", v + 1), camera, double(v)});
+  }
+  if (file.extension() != ".json") {
+    writeColmapViews(file, views);
+    return;
+  }
+  const Intrinsics& first = views[0].camera.intrinsics;
+  CameraPath path{first.width, first.height, 1, {}};
+  for (const View& view : views) {
+    const Intrinsics& k = view.camera.intrinsics;
+    const double fovY = 2 * std::atan(0.5 * k.height / k.fy);
+    path.keys.push_back({view.time, view.camera.pose.position, view.camera.pose.rotation, fovY});
+  }
+  writeCameraPath(file, path);
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "batch/inspect/advice_report.h"
+#include "batch/command.h"
+#include "batch/inspect/model_info.h"
+#include "batch/pictures/picture_info.h"
+#include "batch/inspect/unused_photographs.h"
+#include "ibr/asset.h"
+#include "ibr/renderer.h"
+#include "ibr/requirements.h"
+#include "io/image_file.h"
+#include "scene/memory_demand.h"
+#include "shared/report/graph_svg.h"
+#include "shared/report/table.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene, svg, advicePoses;
+  bool explain = false, advice = false;
+
+  bool wantsAdvice() const { return advice || !svg.empty() || !advicePoses.empty(); }
+};
+
+using Memory = MemoryDemand;
+
+// By loading it. Not tried where the prediction says that the device could not hold it: a software device would take
+// the machine's memory instead.
+std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted, const Context& context) {
+  try {
+    Device device = Device::create({.device = context.options().device, .log = context.log()});
+    std::uint64_t largestHeap = 0;
+    const VkPhysicalDeviceMemoryProperties& properties = device.memoryProperties();
+    for (std::uint32_t i = 0; i < properties.memoryHeapCount; ++i)
+      largestHeap = std::max<std::uint64_t>(largestHeap, properties.memoryHeaps[i].size);
+    if (predicted <= largestHeap) {
+      // As they are stored, which is what was predicted.
+      const GpuScene gpuScene(device, scene, {.blocks = BlockTextures::keep, .log = context.log()});
+      const GpuScene::Memory memory = gpuScene.memory();
+      return Memory{memory.positions, memory.indices, memory.textures};
+    }
+    context.say(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
+                bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
+  } catch (const Error& e) {
+    context.say(LogLevel::info, "memory was not measured: {}", e.what());
+  }
+  return std::nullopt;
+}
+
+// RGBA8 where they cannot be read: info tells what it can of a scene that is not whole.
+std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context) {
+  try {
+    return textureFormats(scene);
+  } catch (const Error& e) {
+    context.say(LogLevel::warning, "textures are taken for RGBA8: {}", e.what());
+    return std::vector<TextureFormat>(scene.nodes.size(), TextureFormat::rgba8);
+  }
+}
+
+struct Summary {
+  std::array<std::size_t, 5> cellsByMembers{};
+  std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
+  std::size_t backdropPoints = 0, backdropTriangles = 0;
+  double backdropKnown = 0;  // mean share of their depths that was matched
+  std::map<std::pair<int, int>, std::size_t> sizes;
+};
+
+Summary summarise(const Scene& scene) {
+  Summary summary;
+  for (const Cell& cell : scene.cells) {
+    ++summary.cellsByMembers[std::min<std::size_t>(cell.members.size(), 4)];
+    summary.points += cell.mesh.pointCount();
+    summary.pointsAtInfinity += std::size_t(std::ranges::count(cell.mesh.inverseDistance, 0.0f));
+    summary.triangles += cell.mesh.triangles.size();
+    summary.tier0 += cell.mesh.tier0Count();
+  }
+  for (const Cell& backdrop : scene.backdrops) {
+    summary.backdropPoints += backdrop.mesh.pointCount();
+    summary.backdropTriangles += backdrop.mesh.triangles.size();
+    summary.backdropKnown += backdrop.quality.coverage / double(scene.backdrops.size());
+  }
+  for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
+  return summary;
+}
+
+// Of a photograph that its mask takes away; NaN where the mask cannot be read.
+double maskedShare(const Scene& scene, const Node& node, const Context& context) {
+  try {
+    const Image8 mask = readImage(scene.folder / node.maskFile);
+    std::size_t ignored = 0;
+    for (std::size_t p = 0; p < mask.values.size(); p += std::size_t(mask.channels)) ignored += mask.values[p] == 0;
+    return double(ignored) * mask.channels / double(mask.values.size());
+  } catch (const Error& e) {
+    context.say(LogLevel::warning, "{}", e.what());
+    return std::nan("");
+  }
+}
+
+// Photographs that have a mask, and how much of each it takes.
+void showMasks(const Scene& scene, const Context& context, Json& report) {
+  report["masks"] = Json::array();
+  Table masks;
+  masks.row({"masked photograph", "share", "mask"});
+  for (const Node& node : scene.nodes) {
+    if (node.maskFile.empty()) continue;
+    const double share = maskedShare(scene, node, context);
+    masks.row({node.name, numberText(share, 4), node.maskFile.string()});
+    report["masks"].push_back({{"photograph", node.name}, {"share", share}, {"file", node.maskFile.string()}});
+  }
+  if (!report["masks"].empty()) context.print("{}\n", masks.text());
+}
+
+std::vector<std::string> memberNames(const Scene& scene, const Cell& cell) {
+  std::vector<std::string> names;
+  for (const std::uint32_t member : cell.members) names.push_back(scene.nodes[member].name);
+  return names;
+}
+
+void showExposures(const Scene& scene, Json& report, const Context& context) {
+  double least = 1, most = 1;
+  std::size_t known = 0;
+  Json& exposures = report["exposures"] = Json::array();
+  for (const Node& node : scene.nodes) {
+    Json line{{"photograph", node.name}, {"gain", {node.gain.r, node.gain.g, node.gain.b}}};
+    if (const auto exposure = relativeExposure(node.capture)) line["relativeExposure"] = *exposure;
+    exposures.push_back(std::move(line));
+    known += node.gain != glm::dvec3(1.0);
+    least = std::min({least, node.gain.r, node.gain.g, node.gain.b});
+    most = std::max({most, node.gain.r, node.gain.g, node.gain.b});
+  }
+  context.print("exposures    ");
+  if (known > 0)
+    context.print("{} measured, gains {:.3f} to {:.3f}\n", known, least, most);
+  else
+    context.print("none measured\n");
+}
+
+// Last: panoramas to add have no such file, which is told once all else is written.
+void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const Context& context) {
+  if (advice.views.empty()) {
+    context.say(LogLevel::warning, "there is no photograph to add: {} is not written", file);
+    return;
+  }
+  writeNextViews(file, advice);
+  context.say(LogLevel::info, "the photographs to add are in {}", file);
+}
+
+ExitCode showScene(const Options& options, const Context& context) {
+  if (isImageFile(options.scene)) {
+    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
+          "{} is a picture: --explain, --advice and --svg are for scenes", options.scene);
+    return showPicture(options.scene, context);
+  }
+  if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
+    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
+          "{} is no scene: --explain, --advice and --svg are for scenes", options.scene);
+    return *kind == AssetKind::htmModel ? showModel(options.scene, context) : showSequence(options.scene, context);
+  }
+  const Scene scene = loadScene(options.scene);
+  const Summary summary = summarise(scene);
+  const std::vector<TextureFormat> formats = formatsOf(scene, context);
+  const Memory predicted = memoryDemand(scene, formats);
+  const std::optional<Memory> measured = measuredMemory(scene, predicted.sum(), context);
+
+  Json report{{"scene", options.scene},
+              {"acquisition", scene.acquisition},
+              {"photographs", scene.nodes.size()},
+              {"points", summary.points},
+              {"pointsAtInfinity", summary.pointsAtInfinity},
+              {"triangles", summary.triangles},
+              {"tier0", summary.tier0},
+              {"cells", Json::array()},
+              {"unused", unusedJson(scene.unused)}};
+  Table cells;
+  cells.row({"cell", "photographs", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score"});
+  for (std::size_t i = 0; i < scene.cells.size(); ++i) {
+    const Cell& cell = scene.cells[i];
+    const auto names = memberNames(scene, cell);
+    std::string joined;
+    for (const std::string& name : names) joined += (joined.empty() ? "" : " ") + name;
+    cells.row({fmt::format("{}", i), joined, fmt::format("{}", cell.mesh.pointCount()),
+               fmt::format("{}", cell.mesh.triangles.size()), fmt::format("{}", cell.mesh.tier0Count()),
+               numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
+               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3)});
+    report["cells"].push_back({{"members", names},
+                               {"points", cell.mesh.pointCount()},
+                               {"triangles", cell.mesh.triangles.size()},
+                               {"tier0", cell.mesh.tier0Count()},
+                               {"coverage", cell.quality.coverage},
+                               {"ecc", cell.quality.ecc},
+                               {"residualPx", cell.quality.residualPx},
+                               {"score", cell.quality.score}});
+  }
+  context.print("{}\n", cells.text());
+  context.print("{}", unusedText(scene.unused));
+  showMasks(scene, context, report);
+
+  context.print("photographs  {}", scene.nodes.size());
+  for (const auto& [size, count] : summary.sizes) context.print(", {} of {}×{}", count, size.first, size.second);
+  std::map<TextureFormat, std::size_t> stored;
+  for (const TextureFormat format : formats) ++stored[format];
+  context.print("\ntextures    ");
+  for (const auto& [format, count] : stored)
+    context.print(" {} in {}{}", count, textureFormatName(format), format == stored.rbegin()->first ? "" : ",");
+  context.print("\ncells        {}: {} lines, {} triangles, {} tetrahedra\n", scene.cells.size(),
+                summary.cellsByMembers[2], summary.cellsByMembers[3], summary.cellsByMembers[4]);
+  context.print("points       {}, {} of them at infinity\n", summary.points, summary.pointsAtInfinity);
+  context.print("triangles    {}, {} of them tier 0\n", summary.triangles, summary.tier0);
+  showExposures(scene, report, context);
+  const std::size_t backdropBytes =
+      4 * sizeof(float) * summary.backdropPoints + 3 * sizeof(std::uint32_t) * summary.backdropTriangles;
+  context.print("backdrops    {}", scene.backdrops.size());
+  if (!scene.backdrops.empty())
+    context.print(": {} points, {} triangles, {}; {:.0f} % of their depth was matched", summary.backdropPoints,
+                  summary.backdropTriangles, bytesText(double(backdropBytes)), 100 * summary.backdropKnown);
+  context.print("\n");
+  report["backdrops"] = {{"count", scene.backdrops.size()},
+                         {"points", summary.backdropPoints},
+                         {"triangles", summary.backdropTriangles},
+                         {"bytes", backdropBytes},
+                         {"known", summary.backdropKnown}};
+
+  const auto memoryJson = [](const Memory& memory) {
+    return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};
+  };
+  const auto memoryLine = [&](const char* label, const Memory& memory) {
+    context.print("{}{}: {} photographs, {} vertices, {} indices\n", label, bytesText(double(memory.sum())),
+                  bytesText(double(memory.textures)), bytesText(double(memory.positions)),
+                  bytesText(double(memory.indices)));
+  };
+  memoryLine("memory       predicted ", predicted);
+  if (measured) memoryLine("             measured  ", *measured);
+  report["memory"] = {{"predicted", memoryJson(predicted)}, {"measured", nullptr}};
+  if (measured) report["memory"]["measured"] = memoryJson(*measured);
+
+  if (options.explain) {
+    report["stages"] = Json::array();
+    context.print("\nstages that this scene needs\n");
+    RenderSettings settings = preset(Preset::balanced);
+    settings.lowestTier = kTierFilled;
+    const RendererOptions renderer = optionsFor(settings, {1, 1});
+    for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
+      context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
+      report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});
+    }
+  }
+  CaptureAdvice advice;
+  if (options.wantsAdvice()) advice = adviseCapture(scene);
+  if (options.advice) {
+    context.print("\nadvice\n{}", adviceText(advice));
+    report["capture"] = adviceJson(scene, advice);
+  }
+  if (!options.svg.empty()) {
+    writeFile(options.svg, graphSvg(scene, advice));
+    context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
+  }
+  context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
+  if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kInfoCommand{
+    .name = "info",
+    .summary =
+        "Shows what a scene, a harmonised model or a sequence of them holds and what memory it takes, or what drew a "
+        "picture",
+    .examples =
+        "ibr info scene\nibr info scene --explain\nibr info scene --advice --svg graph.svg\nibr info scene "
+        "--advice-poses next.json\nibr info model\nibr info video\n"
+        "ibr info pictures/frame_0000.png",
+    .details = "",
+    .afterInterrupt = "",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
+          ->required();
+      app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
+      app.add_flag("--advice", options->advice,
+                   "Also say what is amiss with the photographs, and where to take ten more");
+      app.add_option("--advice-poses", options->advicePoses,
+                     "Also write the poses of those ten: FILE.json is a camera path, else a folder with a COLMAP model")
+          ->type_name("FILE");
+      app.add_option("--svg", options->svg,
+                     "Also draw the image graph: cameras, cells by their score, what is unused, what to add")
+          ->type_name("FILE");
+      return [options](const Context& context) { return showScene(*options, context); };
+    }};
+
+}  // namespace ibr::app

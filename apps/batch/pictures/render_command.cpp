@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <glm/trigonometric.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "base/check.h"
+#include "batch/command.h"
+#include "batch/htm/htm_render_views.h"
+#include "batch/files/poses.h"
+#include "ibr/error.h"
+#include "io/exr.h"
+#include "shared/camera/auto_path.h"
+#include "shared/cli/options.h"
+#include "shared/draw/picture_record.h"
+#include "shared/draw/pictures.h"
+#include "shared/cli/progress.h"
+#include "shared/draw/scene_renderer.h"
+#include "shared/cli/settings.h"
+#include "shared/cli/signals.h"
+#include "shared/camera/up.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string scene, poses, output;
+  int autoFrames = 0;  // 0: not asked for
+  PictureSize size;
+  double fovDegrees = 0;  // 0: that of the poses
+  bool stereo = false;
+  double ipd = 0;  // 0: not given
+  bool buffers = false;
+  bool graph = false;
+  std::optional<double> floor, floorSpacing;  // FloorWish
+  RenderSettings settings;
+  GpuSceneOptions gpuScene;
+  HtmViewsOptions htm;  // what only they have
+};
+
+void declareSceneOptions(CLI::App& app, Options& options) {
+  const auto number = [&app](const char* name, double& value, double low, double high, const char* description) {
+    return app.add_option_function<std::string>(
+        name, [name, &value, low, high](const std::string& text) { value = parsedDouble(name, text, low, high); },
+        description);
+  };
+  auto* stereo = app.add_flag("--stereo", options.stereo, "A picture for each eye, NAME_l and NAME_r");
+  number("--ipd", options.ipd, 1e-9, 1e9, "Distance of the eyes in world units, metres where poses are metric")
+      ->type_name("METRES")
+      ->needs(stereo);
+  app.add_flag("--buffers", options.buffers, "Also depth, tier, rank, weights, confidence, as NAME.exr");
+  const auto given = [&app](const char* name, std::optional<double>& value, double low, const char* description) {
+    return app
+        .add_option_function<std::string>(
+            name, [name, &value, low](const std::string& text) { value = parsedDouble(name, text, low, 1e9); },
+            description)
+        ->type_name("METRES");
+  };
+  auto* floor = given("--floor", options.floor, -1e9,
+                      "A grid so far below the photographs, in world units, where none of them shows anything");
+  given("--floor-spacing", options.floorSpacing, 1e-9, "Between its lines, in world units [half of --floor]")
+      ->needs(floor);
+  declareSettings(app, options.settings);  // --preset among them, which comes before all other settings
+  declareOverlays(app, options.settings);
+  declareGpuScene(app, options.gpuScene);
+}
+
+bool isHarmonised(std::optional<AssetKind> kind) {
+  return kind == AssetKind::htmModel || kind == AssetKind::htmSequence;
+}
+
+ExitCode renderHarmonised(const Options& options, const Context& context) {
+  HtmViewsOptions htm = options.htm;
+  htm.model = options.scene;
+  htm.poses = options.poses;
+  htm.output = options.output;
+  htm.autoFrames = options.autoFrames;
+  htm.graph = options.graph;
+  htm.size = options.size;
+  htm.fovDegrees = options.fovDegrees;
+  return renderHtmViews(htm, context);
+}
+
+ExitCode renderViews(const Options& options, const Context& context) {
+  if (isHarmonised(assetKind(options.scene))) return renderHarmonised(options, context);
+  const Scene scene = loadScene(options.scene);
+  checkCells(options.settings, scene);
+  RenderSettings settings = options.settings;
+  std::optional<FloorWish> floor;
+  if (options.floor) floor = FloorWish{*options.floor, options.floorSpacing};
+  if (floor) settings.floor = floorBelow(scene, *floor);
+  const bool isPath = options.poses.empty() || isWalk(options.poses);
+  std::vector<View> asked = options.autoFrames > 0
+                                ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
+                                : readViews(options.poses, options.size, context.log(), options.stereo);
+  if (options.fovDegrees > 0) setFov(asked, glm::radians(options.fovDegrees));
+  const std::vector<Frame> frames = framesOf(asked, options.stereo, options.ipd);
+  std::vector<View> views;
+  for (const Frame& frame : frames) views.insert(views.end(), frame.begin(), frame.end());
+  checkNamesDiffer(views);
+  for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
+
+  RendererOptions wanted = optionsFor(settings, {});
+  wanted.views = options.stereo ? 2 : 1;
+  wanted.uncertainties = &scene;
+  if (options.buffers) wanted.buffers = &scene;
+  SceneRenderer renderer(scene, views, options.gpuScene, wanted, context);
+  if (options.graph) renderer.showGraph();
+  settings.alpha = AlphaContent::tier;
+  Json drawn = pictureSettingsJson(settings, options.gpuScene, floor);
+  drawn["graph"] = options.graph;
+  Json written = Json::array();
+  double least = 1, sum = 0;
+  PlanState walk;
+  {
+    ProgressLine progress(context);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      check(progress.show({"rendering", i, frames.size()}), ErrorCode::cancelled, "stopped");
+      if (!isPath) walk = {};
+      const double dtSeconds = i > 0 ? frames[i][0].time - frames[i - 1][0].time : 0.0;
+      std::vector<Camera> eyes;
+      for (const View& view : frames[i]) eyes.push_back(view.camera);
+      const auto pictures = renderer.render(eyes, settings, walk, dtSeconds);
+      for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
+        const std::string& name = frames[i][eye].name;
+        const fs::path file = pictureFile(options.output, name);
+        fs::create_directories(file.parent_path());
+        writePicture(file, rgb(pictures[eye].image), {eyes[eye], std::nullopt, drawn});
+        const std::array<double, 4> tiers = tierShares(pictures[eye].image);
+        const double coverage = std::accumulate(tiers.begin(), tiers.end(), 0.0);
+        least = std::min(least, coverage);
+        sum += coverage;
+        Json entry{{"name", name},
+                   {"file", file.string()},
+                   {"coverage", coverage},
+                   {"tiers", tiers},
+                   {"milliseconds", pictures[eye].milliseconds}};
+        if (pictures[eye].buffers) {
+          const fs::path known = fs::path(file).replace_extension(".exr");
+          writeExr(known, exrChannels(pictures[eye].image, *pictures[eye].buffers));
+          entry["buffers"] = known.string();
+        }
+        written.push_back(std::move(entry));
+      }
+    }
+    progress.show({"rendering", frames.size(), frames.size()});
+  }
+  context.print("{} pictures in {}; coverage {:.4f}, at least {:.4f}\n", views.size(), options.output,
+                sum / double(views.size()), least);
+  Json reported = drawn;
+  reported["fov"] = options.fovDegrees > 0 ? Json(options.fovDegrees) : Json();
+  reported["ipd"] = options.ipd > 0 ? Json(options.ipd) : Json();
+  context.report(
+      Json{{"views", written}, {"device", renderer.deviceName()}, {"settings", reported}, {"scene", options.scene}}
+          .dump(2, ' ', false, Json::error_handler_t::replace));
+  return kExitOk;
+}
+
+}  // namespace
+
+const Command kRenderCommand{
+    .name = "render",
+    .summary = "Renders new views of a scene, a harmonised model or 3D video as PNG files",
+    .examples =
+        "ibr render scene --path auto:90 -o pictures\n"
+        "ibr render scene --poses held-out/sparse -o pictures\n"
+        "ibr render scene --poses path.json --size 1280x720 -o pictures\n"
+        "ibr render scene --poses screenshot.png --preset accurate -o pictures\n"
+        "ibr render scene --poses screenshot_l.png --stereo -o pictures\n"
+        "ibr render scene --path auto:90 --stereo --ipd 0.063 -o pictures\n"
+        "ibr render model --path auto:90 -o pictures",
+    .details =
+        "--poses takes a COLMAP model's folder, transforms.json, or a camera path:\n"
+        "  {\"version\":1,\"size\":[w,h],\"fps\":30,\"keys\":[{\"time\":s,\"position\":[x,y,z],\n"
+        "   \"rotation\":[x,y,z,w],\"fovY\":radians},…]}\n"
+        "with cameras that look along -z, y up. Pictures are named after the poses.\n"
+        "It also takes a picture that ibr or its viewer has written: PNG files hold the view that they show and the\n"
+        "settings that drew them (ibr info PICTURE.png), but settings are still those of this command.\n"
+        "--stereo makes two of each pose, NAME_l and NAME_r, of one order of cells and one colour table. Poses that "
+        "are\n"
+        "named so already are the eyes as they are: each may have its own principal point and direction. A picture\n"
+        "NAME_l.png or NAME_r.png stands for both eyes: the other's lies beside it.\n"
+        "--buffers writes NAME.exr beside each picture: R, G, B (linear), Z (depth along the viewing axis in world\n"
+        "units, infinite where unknown), tier, rank (0: the main cell), weight.0 to weight.3 of the members' colours,\n"
+        "confidence.spread (standard deviation of the members' colours), confidence.uncertainty (of the inverse "
+        "depth,\n"
+        "1/world unit), confidence.extrapolation (distance to the cell, world units). While a switch is mixed they "
+        "are\n"
+        "those of the new order.\n"
+        "Harmonised models and 3D video are drawn as ibr htm render does (ibr htm render --help).",
+    .afterInterrupt = "The pictures that are there are whole; the same command makes all of them again.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Folder of a scene, of a harmonised model or of 3D video")->required();
+      auto* poses = app.add_option("--poses", options->poses,
+                                   "COLMAP model's folder, transforms.json, a camera path or a picture")
+                        ->type_name("FILE|DIR");
+      poses->excludes(addAutoPath(app, options->autoFrames));
+      app.add_option("-o,--output", options->output, "Folder for the pictures; made where it is missing")
+          ->required()
+          ->type_name("DIR");
+      addSize(app, "--size", options->size, "Size of the pictures [that of the poses; auto: of the photographs]");
+      addFov(app, options->fovDegrees);
+      addGraph(app, options->graph);
+      const auto ofScenes = inGroup(app, "Scenes", [&] { declareSceneOptions(app, *options); });
+      const auto ofModels = inGroup(app, "Harmonised models, 3D video", [&] { declareHtmViews(app, options->htm); });
+      app.callback([options, ofScenes, ofModels] {
+        options->htm.model = options->scene;
+        const std::optional<AssetKind> kind = assetKind(options->scene);
+        if (kind == AssetKind::scene)
+          refuseGiven(ofModels, "is of harmonised models, and " + options->scene + " a scene");
+        if (isHarmonised(kind)) {
+          refuseGiven(ofScenes, "is of scenes, and " + options->scene + " a harmonised model or 3D video");
+          checkHtmViews(options->htm, kind);
+        }
+        if (options->poses.empty() && options->autoFrames == 0) throw CLI::RequiredError("--poses or --path");
+        checkOverlays(options->settings);
+      });
+      return [options](const Context& context) { return renderViews(*options, context); };
+    }};
+
+}  // namespace ibr::app

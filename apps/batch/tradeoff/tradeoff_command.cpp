@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ibr tradeoff`: what each setting of drawing costs and gives, and whether the presets are worth their names
+// (NUMERICS §5).
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "base/check.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "batch/command.h"
+#include "batch/command_text.h"
+#include "batch/files/file_hash.h"
+#include "batch/files/poses.h"
+#include "batch/files/sha256.h"
+#include "batch/tradeoff/tradeoff_html.h"
+#include "batch/tradeoff/tradeoff_measure.h"
+#include "batch/files/truth.h"
+#include "ibr/metrics.h"
+#include "image/ktx2.h"
+#include "shared/camera/auto_path.h"
+#include "shared/cli/options.h"
+#include "shared/draw/pictures.h"
+#include "shared/cli/progress.h"
+#include "shared/cli/settings.h"
+#include "shared/cli/signals.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kTwinViews = 2;
+
+struct Options {
+  std::string scene, truth, poses, output, sweep, command;
+  std::vector<std::string> only;           // views of the truth
+  std::vector<std::string> knobs, builds;  // builds: NAME=SCENE
+  int autoViews = 0, shrink = 1, repeat = 9, walk = 3000;
+  PictureSize size;
+  bool grid = true, list = false, check = false;
+};
+
+// What each of shrink × shrink pixels shows in the mean, and its camera.
+TradeoffSubject smaller(const TradeoffSubject& whole, int shrink) {
+  TradeoffSubject small = whole;
+  Intrinsics& k = small.view.camera.intrinsics;
+  k.width /= shrink;
+  k.height /= shrink;
+  for (double* length : {&k.fx, &k.fy, &k.cx, &k.cy}) *length /= shrink;
+  small.truth = Image8(k.width, k.height, whole.truth.channels);
+  for (int y = 0; y < k.height; ++y)
+    for (int x = 0; x < k.width; ++x)
+      for (int c = 0; c < whole.truth.channels; ++c) {
+        int sum = 0;
+        for (int i = 0; i < shrink * shrink; ++i)
+          sum += whole.truth.pixel(shrink * x + i % shrink, shrink * y + i / shrink)[std::size_t(c)];
+        small.truth.pixel(x, y)[std::size_t(c)] = std::uint8_t((2 * sum + shrink * shrink) / (2 * shrink * shrink));
+      }
+  return small;
+}
+
+std::vector<TradeoffSubject> subjectsOf(const Options& options, const Scene& scene, const Context& context) {
+  std::vector<TradeoffSubject> subjects;
+  if (!options.truth.empty()) {
+    const Truth truth(options.truth, options.only, context.log());
+    for (const View& view : truth.views()) subjects.push_back(smaller({view, truth.picture(view)}, options.shrink));
+  }
+  if (!options.poses.empty())
+    for (const View& view : readViews(options.poses, options.size, context.log())) subjects.push_back({view, {}});
+  const int automatic = options.autoViews > 0 ? options.autoViews : subjects.empty() ? 5 : 0;
+  if (automatic > 0)
+    for (const View& view : frames(autoPath(scene, automatic, options.size.width, options.size.height)))
+      subjects.push_back({view, {}});
+  return subjects;
+}
+
+VkExtent2D largestOf(const std::vector<TradeoffSubject>& subjects, const std::vector<View>& walk) {
+  VkExtent2D largest{1, 1};
+  const auto grow = [&](const Camera& camera) {
+    largest.width = std::max(largest.width, std::uint32_t(camera.intrinsics.width));
+    largest.height = std::max(largest.height, std::uint32_t(camera.intrinsics.height));
+  };
+  for (const TradeoffSubject& subject : subjects) grow(subject.view.camera);
+  for (const View& view : walk) grow(view.camera);
+  return largest;
+}
+
+// Places by the names of their builds.
+struct Places {
+  std::vector<std::string> names, folders;  // of all but the first, of all
+  std::vector<Scene> scenes;
+};
+
+Places placesOf(const Options& options) {
+  Places places{{}, {options.scene}, {}};
+  for (const std::string& build : options.builds) {
+    const std::size_t at = build.find('=');
+    check(at != std::string::npos && at > 0, ErrorCode::invalidInput, "--build {}: is not NAME=SCENE", build);
+    places.names.push_back(build.substr(0, at));
+    places.folders.push_back(build.substr(at + 1));
+  }
+  for (const std::string& folder : places.folders) places.scenes.push_back(loadScene(folder));
+  return places;
+}
+
+// All that pictures and times depend on, but for the setting.
+std::uint64_t keyOf(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
+                    const Device& device, const Context& context) {
+  Hash hash;
+  addProgram(hash);
+  for (const std::string& folder : places.folders) addFolder(hash, folder);
+  for (const auto& [view, truth] : subjects) {
+    const Pose& pose = view.camera.pose;
+    const Intrinsics& k = view.camera.intrinsics;
+    hash.add(view.name);
+    for (const double number :
+         {pose.position.x, pose.position.y, pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y,
+          pose.rotation.z, double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy})
+      hash.add(number);
+    hash.add(std::as_bytes(std::span(truth.values)));
+  }
+  hash.add(device.name());
+  hash.add(std::int64_t(context.options().threads));
+  hash.add(std::int64_t(options.walk));
+  return hash.value();
+}
+
+// Of the names, and contents, of all files of the scene, in the order of their names.
+std::string datasetHash(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::ranges::sort(files);
+  std::string all;
+  for (const fs::path& file : files)
+    all += file.lexically_relative(folder).generic_string() + ' ' + sha256(readFile(file)) + '\n';
+  return sha256(std::as_bytes(std::span(all.data(), all.size())));
+}
+
+std::string processorName() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) return line.substr(std::min(line.size(), line.find(':') + 2));
+  return "unknown";
+}
+
+Json aboutJson(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
+               const Device& device, const Context& context) {
+  const VkPhysicalDeviceLimits& limits = device.properties().limits;
+  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  Json views = Json::array();
+  for (const auto& [view, truth] : subjects)
+    views.push_back({{"name", view.name},
+                     {"size", {view.camera.intrinsics.width, view.camera.intrinsics.height}},
+                     {"truth", !truth.empty()}});
+  return {
+      {"libibr", IBR_VERSION},
+      {"scene", options.scene},
+      {"dataset", datasetHash(options.scene)},
+      {"builds", places.names},
+      {"truth", options.truth},
+      {"shrink", options.shrink},
+      {"views", views},
+      {"device", device.name()},
+      {"software", software},
+      {"processor", processorName()},
+      {"cores", std::thread::hardware_concurrency()},
+      {"limits",
+       {{"subTexelPrecisionBits", limits.subTexelPrecisionBits},
+        {"mipmapPrecisionBits", limits.mipmapPrecisionBits},
+        {"timestampPeriodNs", limits.timestampPeriod}}},
+      {"clock",
+       "planning: the processor's steady clock; drawing: the device's timestamps, from the first command of a frame "
+       "to its last, without the way back to the host"},
+      {"seed", context.options().seed},
+      {"warmUp", 1},
+      {"repeat", options.repeat},
+      {"order", "interleaved: every round measures all settings once, in an order of its own"},
+      {"command", options.command}};
+}
+
+std::vector<TradeoffWalk> walksOf(TradeoffStage& stage, const std::vector<TradeoffSetting>& settings,
+                                  const std::vector<View>& walk, std::uint64_t key, KeptLines& kept,
+                                  ProgressLine& progress) {
+  std::vector<TradeoffWalk> walks;
+  for (std::size_t p = 0; p < kPresets.size() && !walk.empty(); ++p) {
+    Hash hash;
+    hash.add(key);
+    hash.add(std::string("walk ") + kPresets[p].first);
+    const std::optional<Json> json = kept.find(hash.value());
+    try {
+      if (json) {
+        walks.push_back(walkOf(*json));
+        continue;
+      }
+    } catch (const Json::exception&) {  // damaged: walked again
+    }
+    walks.push_back(walkThrough(stage, kPresets[p].first, settings[p].way, walk, [&] {
+      check(progress.show({"walking", p, kPresets.size()}), ErrorCode::cancelled, "stopped");
+    }));
+    kept.add(hash.value(), walkJson(walks.back()));
+  }
+  return walks;
+}
+
+// What `ibr sweep` reported; null where no file is named.
+nlohmann::json sweepOf(const std::string& file) {
+  if (file.empty()) return nullptr;
+  const nlohmann::json json = nlohmann::json::parse(readTextFile(file), nullptr, false);
+  const bool good = json.is_object() && json.contains("settings") && json["settings"].is_array() &&
+                    std::ranges::all_of(json["settings"], [](const nlohmann::json& row) {
+                      return row.is_object() && row.contains("method") && row["method"].is_string() &&
+                             row.contains("setting") && row["setting"].is_string() && row.contains("seconds") &&
+                             row.contains("ecc") && row.contains("scores") && row["scores"].is_object() &&
+                             row["scores"].contains("psnrCovered");
+                    });
+  check(good, ErrorCode::invalidInput, "{}: is no report of ibr sweep (--sweep)", file);
+  return json;
+}
+
+// Of each preset, against the truth where there is one, else against the reference.
+std::vector<WorstView> worstViews(TradeoffStage& stage, const std::vector<TradeoffRow>& rows,
+                                  const std::vector<TradeoffSubject>& subjects) {
+  std::vector<WorstView> worst;
+  for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    const auto flipOf = [](const TradeoffView& view) {
+      return std::isfinite(view.truth.flip) ? view.truth.flip : view.reference.flip;
+    };
+    if (!rows[p].failure.empty()) continue;
+    const std::vector<TradeoffView>& views = rows[p].views;
+    const std::size_t v = std::size_t(std::ranges::max_element(views, {}, flipOf) - views.begin());
+    const Camera& camera = subjects[v].view.camera;
+    const Image8 picture = stage.picture(rows[p].setting.way, camera);
+    const Image8& truth = subjects[v].truth;
+    const Image8 other = truth.empty() ? stage.picture(rows[kReferenceSetting].setting.way, camera) : truth;
+    worst.push_back(
+        {kPresets[p].first, views[v].name, flipOf(views[v]), rgb(picture), rgb(other), flipPicture(picture, other)});
+  }
+  return worst;
+}
+
+// Mean over the views that have a truth; NaN where none has.
+double sampledDetailOf(const std::vector<TradeoffSubject>& subjects) {
+  double sum = 0;
+  int count = 0;
+  for (const TradeoffSubject& subject : subjects)
+    if (!subject.truth.empty()) sum += sampledDetail(subject.truth), ++count;
+  return sum / count;
+}
+
+// Colour tables of the first photograph that has a texture.
+std::vector<MapError> mapErrorsOf(const Scene& scene, std::uint64_t seed) {
+  for (const Node& node : scene.nodes)
+    if (!node.textureFile.empty())
+      return mapErrors(decodeTexture(readKtx2(scene.folder / node.textureFile, 0))[0], seed);
+  return {};
+}
+
+// Knobs of NUMERICS §5.4 that this report does not turn.
+std::vector<std::string> missingKnobs(const Options& options, const Scene& scene) {
+  std::vector<std::string> missing;
+  if (options.sweep.empty())
+    missing.emplace_back("the optimiser's M, R, D and t: ibr sweep measures them; --sweep FILE shows what it found");
+  if (options.builds.empty())
+    missing.emplace_back("mesh density: of builds by other options, which --build NAME=SCENE adds");
+  if (!hasPlainTextures(scene))
+    missing.emplace_back(
+        "formats of textures: this scene's are in blocks already; a build with --texture rgba8 has all");
+  missing.emplace_back("precision of the ECC: sums are exact on every device, there is nothing to choose");
+  missing.emplace_back("texture coordinate complements: of harmonised models, not of scenes (ibr htm eval)");
+  return missing;
+}
+
+ExitCode tradeoff(const Options& options, const Context& context) {
+  const nlohmann::json sweep = sweepOf(options.sweep);
+  const Places places = placesOf(options);
+  const TradeoffSettings settings =
+      tradeoffSettings({options.knobs, options.grid, hasPlainTextures(places.scenes[0]), places.names});
+  if (options.list) {
+    for (const TradeoffSetting& setting : settings.all) context.print("{}\n", setting.name());
+    return kExitOk;
+  }
+  for (const std::string& source : places.folders)
+    check(!isInside(options.output, source), ErrorCode::invalidInput,
+          "--output {}: lies in {}, whose files tell what was measured before", options.output, source);
+  const std::vector<TradeoffSubject> subjects = subjectsOf(options, places.scenes[0], context);
+  std::vector<View> walk;
+  if (options.walk > 0)
+    walk = frames(autoPath(places.scenes[0], options.walk, subjects[0].view.camera.intrinsics.width,
+                           subjects[0].view.camera.intrinsics.height));
+  TradeoffStage stage(places.scenes, largestOf(subjects, walk), context);
+  makeFolders(options.output);
+  const fs::path folder = options.output;
+  KeptLines kept(folder / "tradeoff.kept.jsonl");
+  const std::uint64_t key = keyOf(options, places, subjects, stage.device(), context);
+  TradeoffReport report;
+  report.knobs = settings.knobs;
+  report.about = aboutJson(options, places, subjects, stage.device(), context);
+  {
+    ProgressLine progress(context);
+    TradeoffMeasure measure(stage, subjects, {options.repeat, context.options().seed, key}, kept);
+    report.rows = measure.measure(settings.all, [&](std::size_t done, std::size_t total) {
+      check(progress.show({"measuring", done, total}), ErrorCode::cancelled, "stopped");
+    });
+    if (measure.found() > 0)
+      context.say(LogLevel::info, "{} parts of {} were measured before", measure.found(),
+                  settings.all.size() + std::size_t(options.repeat));
+    std::vector<View> first;  // views that are compared with the twin, which is slow
+    for (std::size_t v = 0; v < std::min(kTwinViews, subjects.size()); ++v) first.push_back(subjects[v].view);
+    report.implementation = implementationErrors(stage, first, [&] { stopIfInterrupted(); });
+    report.walks = walksOf(stage, settings.all, walk, key, kept, progress);
+  }
+  report.mapErrors = mapErrorsOf(places.scenes[0], context.options().seed);
+  report.sampledDetail = sampledDetailOf(subjects);
+  report.missing = missingKnobs(options, places.scenes[0]);
+  const std::vector<TradeoffFigure> figures = tradeoffFigures(report, sweep);
+  for (const TradeoffFigure& figure : figures) writeFile(folder / figure.file, figure.svg);
+  writeFile(folder / "report.html", tradeoffHtml(report, figures, worstViews(stage, report.rows, subjects), folder));
+  const std::string json = reportJson(report);
+  writeFile(folder / "tradeoff.json", json);
+  writeFile(folder / "tradeoff.csv", tradeoffCsv(report.rows));
+  context.print("{}", reportText(report));
+  context.report(json);
+  const std::vector<TradeoffGate> gates = presetGates(report.rows);
+  const bool beaten = std::ranges::any_of(gates, [](const TradeoffGate& gate) { return gate.counted && !gate.holds; });
+  return options.check && beaten ? kExitComparison : kExitOk;
+}
+
+}  // namespace
+
+const Command kTradeoffCommand{
+    .name = "tradeoff",
+    .summary = "Measures what each setting of drawing costs in time and memory, and gives in accuracy",
+    .examples =
+        "ibr tradeoff scene -o report\n"
+        "ibr tradeoff scene --truth held-out --shrink 2 -o report\n"
+        "ibr tradeoff scene --path auto:4 --size 640x360 --knobs cells renderScale --repeat 5 -o report\n"
+        "ibr tradeoff scene --truth held-out --build coarse=scene8 fine=scene2 -o report\n"
+        "ibr tradeoff scene --list -o report",
+    .details =
+        "One knob at a time is turned from the default (--preset balanced), then the four presets and combinations of "
+        "what matters most are measured: pictures once, times in rounds over all settings. Three accuracies are kept "
+        "apart: against held-out photographs (--truth), against --preset reference, and, for the device, against a "
+        "twin in double precision. The folder gets tradeoff.json, tradeoff.csv, figures, and report.html, which has "
+        "them all. Views are those of the "
+        "truth, of --poses and of --path, together. Times are the device's and that of planning, without the way back "
+        "to the host; leave the machine to it.",
+    .afterInterrupt = "What was measured is kept: run the same command again to go on.",
+    .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
+      const auto options = std::make_shared<Options>();
+      app.add_option("SCENE", options->scene, "Scene folder")->required();
+      app.add_option("-o,--output", options->output, "Folder for what was measured; made where it is missing")
+          ->required()
+          ->type_name("DIR");
+      auto* truth =
+          app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
+      app.add_option("--only", options->only, "Only these views of the truth, by name")
+          ->needs(truth)
+          ->type_name("NAME...");
+      addInt(app, "--shrink", options->shrink, 1, 64,
+             "Sides of the truth's pictures, N times shorter: means of N × N px")
+          ->needs(truth);
+      app.add_option("--poses,--views", options->poses, "Also views of a COLMAP model, transforms.json or camera path")
+          ->type_name("FILE");
+      addAutoPath(app, options->autoViews);
+      addSize(app, "--size", options->size, "Size of the pictures of --poses and --path [theirs, of the photographs]");
+      app.add_option("--knobs", options->knobs,
+                     "Only these knobs: " + fmt::format("{}", fmt::join(tradeoffKnobNames(), " ")))
+          ->type_name("NAME...");
+      app.add_flag_callback(
+          "--no-grid", [options] { options->grid = false; }, "Without combinations of knobs");
+      app.add_option("--build", options->builds, "Also further builds of the place, drawn by default settings")
+          ->type_name("NAME=SCENE...");
+      app.add_option("--sweep", options->sweep, "Also show what ibr sweep found of this scene: its sweep.json")
+          ->type_name("FILE");
+      addInt(app, "--repeat", options->repeat, 1, 10'000, "Rounds");
+      addInt(app, "--walk", options->walk, 0, 1'000'000,
+             "Frames of a walk through the place, of which those around changes of the main cell are drawn; 0: none");
+      app.add_flag("--check", options->check,
+                   "Exit code 6 where a preset does not keep what it promises of counts and pictures, times apart");
+      app.add_flag("--list", options->list, "Only say which settings there are");
+      app.callback([options, &app] {
+        if (options->knobs == std::vector<std::string>{"default"}) options->knobs.clear();
+        for (const std::string& knob : options->knobs) {
+          const std::vector<std::string> names = tradeoffKnobNames();
+          if (std::ranges::find(names, knob) == names.end())
+            throw CLI::ValidationError("--knobs",
+                                       "'" + knob + "' is none of " + fmt::format("{}", fmt::join(names, "|")));
+        }
+        options->command = commandText("ibr tradeoff", givenWords(app));
+      });
+      return [options](const Context& context) { return tradeoff(*options, context); };
+    }};
+
+}  // namespace ibr::app

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/tradeoff/tradeoff_gates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "shared/report/rank.h"
+#include "shared/cli/settings.h"
+
+namespace ibr::app {
+namespace {
+
+bool takesPart(const TradeoffRow& row) {
+  return row.failure.empty() && row.setting.way.views == 1 && row.setting.way.build == 0;
+}
+
+bool beatsInTime(const TradeoffRow& other, const TradeoffRow& row) {
+  return other.medianMs() < (1 - kDominance) * row.medianMs() && errorOf(other) < (1 - kDominance) * errorOf(row);
+}
+
+using Beats = bool (*)(const TradeoffRow&, const TradeoffRow&);
+
+TradeoffGate unbeaten(const std::vector<TradeoffRow>& rows, std::size_t preset, const char* in, Beats beats) {
+  TradeoffGate gate{fmt::format("{} is not beaten in {}", kPresets[preset].first, in), true, "",
+                    beats == beatsInCounts};
+  std::size_t beaten = 0;
+  for (const TradeoffRow& row : rows) {
+    if (!takesPart(row) || !beats(row, rows[preset])) continue;
+    gate.holds = false;
+    if (++beaten <= 3) gate.found += (gate.found.empty() ? "by " : ", by ") + row.setting.name();
+  }
+  if (beaten > 3) gate.found += fmt::format(" and {} more", beaten - 3);
+  return gate;
+}
+
+// Each value at least as large as the one before, give or take kDominance.
+bool rises(const std::array<double, 4>& values) {
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (!(values[i] >= values[i - 1] * (1 - kDominance))) return false;
+  return true;
+}
+
+std::string numbers(const std::array<double, 4>& values, int decimals) {
+  std::string text;
+  for (std::size_t p = 0; p < values.size(); ++p)
+    text += fmt::format("{}{} {:.{}f}", p == 0 ? "" : ", ", kPresets[p].first, values[p], decimals);
+  return text;
+}
+
+template <class Value>
+std::array<double, 4> ofPresets(const std::vector<TradeoffRow>& rows, Value value) {
+  std::array<double, 4> values{};
+  for (std::size_t p = 0; p < values.size(); ++p) values[p] = value(rows[p]);
+  return values;
+}
+
+// Pixels that are shaded, bytes and triangles: what a device's time comes from.
+std::array<double, 4> costs(const TradeoffRow& row) {
+  const double scale = row.setting.way.settings.renderScale;
+  return {double(row.draws()), double(row.triangles()), scale * scale, double(row.bytes())};
+}
+
+// Of two presets that draw the same, times differ by chance.
+bool risesInTime(const std::vector<TradeoffRow>& rows) {
+  for (std::size_t p = 1; p < kPresets.size(); ++p)
+    if (costs(rows[p]) != costs(rows[p - 1]) && !(rows[p].medianMs() >= rows[p - 1].medianMs() * (1 - kDominance)))
+      return false;
+  return true;
+}
+
+}  // namespace
+
+bool beatsInCounts(const TradeoffRow& other, const TradeoffRow& row) {
+  const std::array<double, 4> theirs = costs(other), ours = costs(row);
+  bool cheaper = false;
+  for (std::size_t c = 0; c < ours.size(); ++c) {
+    if (theirs[c] > ours[c]) return false;
+    cheaper |= theirs[c] < (1 - kDominance) * ours[c];
+  }
+  return cheaper && errorOf(other) < (1 - kDominance) * errorOf(row);
+}
+
+std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows) {
+  std::vector<TradeoffGate> gates;
+  for (std::size_t p = 0; p < kPresets.size(); ++p)
+    if (!rows[p].failure.empty()) return {{"all presets can be drawn", false, rows[p].failure, true}};
+  for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    gates.push_back(unbeaten(rows, p, "time and error", beatsInTime));
+    gates.push_back(unbeaten(rows, p, "counts and error", beatsInCounts));
+  }
+  const auto psnrs = ofPresets(rows, [](const TradeoffRow& row) { return row.truth().psnr; });
+  if (std::isfinite(psnrs[3]))
+    gates.push_back({"accurate has 99 % of the PSNR of reference", psnrs[2] >= kAccurateShare * psnrs[3],
+                     fmt::format("{:.2f} dB of {:.2f} dB", psnrs[2], psnrs[3]), true});
+  const auto times = ofPresets(rows, [](const TradeoffRow& row) { return row.medianMs(); });
+  gates.push_back({"presets rise in time", risesInTime(rows), numbers(times, 1) + " ms", false});
+  auto errors = ofPresets(rows, errorOf);
+  const std::string found = "FLIP " + numbers(errors, 4);
+  gates.push_back({fmt::format("fast has at most {} times the error of balanced", kFastShare),
+                   errors[0] <= kFastShare * errors[1], found, true});
+  std::ranges::reverse(errors);
+  gates.push_back({"presets fall in error", rises(errors), found, true});
+  return gates;
+}
+
+std::vector<std::size_t> timeFront(const std::vector<TradeoffRow>& rows) {
+  std::vector<glm::dvec2> points;
+  for (const TradeoffRow& row : rows)
+    points.emplace_back(takesPart(row) ? row.medianMs() : std::nan(""), -errorOf(row));
+  return paretoFront(points);
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/tradeoff/tradeoff_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "shared/cli/settings.h"
+
+namespace ibr::app {
+namespace {
+
+struct Value {
+  std::string word;
+  std::function<void(TradeoffWay&)> set;
+};
+
+enum class Around { usual, mapped, twoEyes };  // the default; colours mapped; that for two eyes
+
+struct Knob {
+  const char* name;
+  const char* about;
+  Around around;
+  std::vector<Value> values;
+};
+
+template <class T, class M>
+std::vector<Value> numbers(M RenderSettings::*member, const std::vector<T>& values) {
+  std::vector<Value> all;
+  for (const T value : values)
+    all.push_back({fmt::format("{}", value), [=](TradeoffWay& way) { way.settings.*member = M(value); }});
+  return all;
+}
+
+template <class M>
+std::vector<Value> words(M RenderSettings::*member, const std::vector<std::pair<const char*, M>>& values) {
+  std::vector<Value> all;
+  for (const auto& [word, value] : values)
+    all.push_back({word, [member, v = value](TradeoffWay& way) { way.settings.*member = v; }});
+  return all;
+}
+
+std::vector<Value> formats() {
+  std::vector<Value> all;
+  for (const TextureFormat format : {TextureFormat::rgba8, TextureFormat::bc7, TextureFormat::bc1})
+    all.push_back({textureFormatName(format), [format](TradeoffWay& way) { way.texture = format; }});
+  return all;
+}
+
+std::vector<Value> filters() {
+  std::vector<Value> all;
+  for (const auto& [word, filter] : {std::pair{"bilinear", TextureFilter::bilinear},
+                                     {"trilinear", TextureFilter::trilinear},
+                                     {"bicubic", TextureFilter::bicubic}})
+    all.push_back({word, [f = filter](TradeoffWay& way) { way.filter = f; }});
+  return all;
+}
+
+template <class M, std::size_t N>
+std::vector<std::pair<const char*, M>> listOf(const std::array<std::pair<const char*, M>, N>& words) {
+  return {words.begin(), words.end()};
+}
+
+const std::vector<Knob>& knobs() {
+  using R = RenderSettings;
+  static const std::vector<Knob> kKnobs{
+      {"cells", "cells drawn at most", Around::usual, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
+      {"backdrops", "backdrops drawn at most", Around::usual, numbers<int>(&R::maxBackdrops, {0, 4, 12, 24, 64})},
+      {"extrapolation", "distance of cells at most, cell sizes", Around::usual,
+       numbers<double>(&R::extrapolationLimit, {0, 0.5, 1, 2, 4})},
+      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::lowestTier, {0, 1, 2, 3})},
+      {"renderScale", "sides of what is drawn, of the picture's", Around::usual,
+       numbers<double>(&R::renderScale, {0.5, 0.7, 1, 1.5, 2})},
+      {"blend", "how members' colours become one", Around::usual,
+       words<BlendMode>(&R::blend,
+                        {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}})},
+      {"texture", "format of textures", Around::usual, formats()},
+      {"textureScale", "detail of photographs", Around::usual,
+       numbers<double>(&R::textureScale, {2, 1.41, 1, 0.5, 0.25})},
+      {"filter", "how photographs are sampled", Around::usual, filters()},
+      {"morph", "where vertices are seen", Around::usual,
+       words<Morph>(&R::morph, {{"ours", Morph::ours}, {"paper", Morph::paper}})},
+      {"order", "in which order cells are drawn", Around::usual,
+       words<DrawOrder>(&R::order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}})},
+      {"align", "cells moved so that they agree", Around::usual,
+       words<bool>(&R::alignCells, {{"off", false}, {"on", true}})},
+      {"exposure", "as how bright photographs are shown", Around::usual,
+       words<Exposure>(&R::exposure, listOf(kExposures))},
+      {"colour", "how cells' colours adapt to the main cell's", Around::usual,
+       words<ColourMapping>(&R::colourMapping, listOf(kColourMappings))},
+      {"colourTable", "colour tables beyond what was seen", Around::mapped,
+       words<ColourTable>(
+           &R::colourTable,
+           {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}})},
+      {"colourSamples", "share of an overlap that is counted", Around::mapped,
+       numbers<double>(&R::colourSamples, {1, 0.5, 0.25, 0.1, 0.01})},
+      {"colourProxy", "pixels a side to one that is counted", Around::mapped,
+       numbers<int>(&R::colourProxy, {2, 4, 8, 16})},
+      {"colourPeriod", "frames from one count to the next", Around::mapped,
+       numbers<int>(&R::colourPeriod, {1, 4, 8, 16})},
+      {"eyeColours", "two eyes: one colour table, or each its own", Around::twoEyes,
+       words<bool>(&R::shareEyeColours, {{"shared", true}, {"own", false}})},
+  };
+  return kKnobs;
+}
+
+class Settings {
+ public:
+  explicit Settings(const TradeoffWish& wish) : wish_(wish) {}
+
+  TradeoffSettings all() {
+    for (const auto& [word, preset] : kPresets) add({.settings = ibr::preset(preset)}, {"preset", word});
+    for (const Knob& knob : knobs())
+      if (wanted(knob)) addKnob(knob);
+    if (!wish_.builds.empty()) {
+      made_.knobs.push_back({"build", "how the scene was built", kDefaultSetting});
+      label(kDefaultSetting, {"build", "SCENE"});
+    }
+    for (std::size_t b = 0; b < wish_.builds.size(); ++b) {
+      TradeoffWay way = made_.all[kDefaultSetting].way;
+      way.build = b + 1;
+      add(way, {"build", wish_.builds[b]});
+    }
+    if (wish_.grid) addGrid();
+    return std::move(made_);
+  }
+
+ private:
+  bool wanted(const Knob& knob) const {
+    if (knob.name == std::string("texture") && !wish_.textures) return false;
+    return wish_.knobs.empty() || std::ranges::find(wish_.knobs, knob.name) != wish_.knobs.end();
+  }
+
+  void label(std::size_t setting, const TradeoffLabel& label) { made_.all[setting].labels.push_back(label); }
+
+  std::size_t add(const TradeoffWay& way, const TradeoffLabel& named) {
+    const auto found = std::ranges::find(made_.all, way, &TradeoffSetting::way);
+    if (found == made_.all.end()) {
+      made_.all.push_back({way, {named}});
+      return made_.all.size() - 1;
+    }
+    found->labels.push_back(named);
+    return std::size_t(found - made_.all.begin());
+  }
+
+  void addKnob(const Knob& knob) {
+    TradeoffWay base = made_.all[kDefaultSetting].way;
+    if (knob.around != Around::usual) base.settings.colourMapping = ColourMapping::ours;
+    if (knob.around == Around::twoEyes) base.views = 2;
+    for (const Value& value : knob.values) {
+      TradeoffWay way = base;
+      value.set(way);
+      add(way, {knob.name, value.word});
+    }
+    const auto at = std::ranges::find(made_.all, base, &TradeoffSetting::way);
+    // A knob that has no value for what is usual, as a filter that the device chooses, stands around the default.
+    made_.knobs.push_back(
+        {knob.name, knob.about, at == made_.all.end() ? kDefaultSetting : std::size_t(at - made_.all.begin())});
+  }
+
+  // What matters most for both time and picture, together.
+  void addGrid() {
+    for (const int cells : {2, 4, 8})
+      for (const double extrapolation : {1.0, 2.0, 4.0})
+        for (const double scale : {0.5, 0.7, 0.85, 1.0, 1.5}) {
+          TradeoffWay way = made_.all[kDefaultSetting].way;
+          way.settings.maxCells = way.settings.maxBackdrops = std::uint32_t(cells);
+          way.settings.extrapolationLimit = extrapolation;
+          way.settings.renderScale = scale;
+          if (std::ranges::find(made_.all, way, &TradeoffSetting::way) == made_.all.end())
+            add(way, {"grid", fmt::format("cells {} reach {:g} scale {:g}", cells, extrapolation, scale)});
+        }
+  }
+
+  const TradeoffWish& wish_;
+  TradeoffSettings made_;
+};
+
+}  // namespace
+
+const std::string* TradeoffSetting::valueOf(const std::string& knob) const {
+  const auto found = std::ranges::find(labels, knob, &TradeoffLabel::knob);
+  return found == labels.end() ? nullptr : &found->value;
+}
+
+std::vector<std::string> tradeoffKnobNames() {
+  std::vector<std::string> names;
+  for (const Knob& knob : knobs()) names.emplace_back(knob.name);
+  return names;
+}
+
+TradeoffSettings tradeoffSettings(const TradeoffWish& wish) {
+  return Settings(wish).all();
+}
+
+nlohmann::ordered_json wayJson(const TradeoffWay& way) {
+  nlohmann::ordered_json json = settingsJson(way.settings, {.filter = way.filter}), texture;
+  json.erase("vramBudget");
+  json.erase("blocks");
+  if (way.texture) texture = textureFormatName(*way.texture);
+  json["texture"] = texture;
+  json["views"] = way.views;
+  json["build"] = way.build;
+  return json;
+}
+
+}  // namespace ibr::app

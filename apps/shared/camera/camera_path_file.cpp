@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+#include "base/file.h"
+#include "shared/camera/camera_json.h"
+#include "shared/camera/camera_path.h"
+#include "shared/camera/json_field.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr std::uint64_t kLargestFile = 64 << 20;
+constexpr int kLargestSide = 65536;
+constexpr double kLongest = 24 * 3600.0, kShortest = 1e-6;  // s, the whole and a step
+constexpr double kSlowest = 1e-3, kFastest = 1000;          // frames a second
+constexpr double kMostFrames = 1e6;
+
+}  // namespace
+
+CameraPath readCameraPath(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  const Json json = parseJson(readTextFile(file, kLargestFile), name);
+  const JsonField root = JsonField::whole(json, name);
+  root.at("version").integer(kVersion, kVersion);
+  CameraPath path;
+  const JsonField size = root.at("size");
+  size.size(2, 2);
+  path.width = size.at(std::size_t(0)).integer(1, kLargestSide);
+  path.height = size.at(std::size_t(1)).integer(1, kLargestSide);
+  path.fps = root.at("fps").number(kSlowest, kFastest);
+  const JsonField keys = root.at("keys");
+  const std::size_t count = keys.size(1, 1'000'000);
+  for (std::size_t i = 0; i < count; ++i) {
+    const JsonField key = keys.at(i);
+    const JsonField time = key.at("time");
+    const Pose pose = poseOf(key);
+    path.keys.push_back({time.number(-kLongest, kLongest), pose.position, pose.rotation, fovOf(key)});
+    if (i > 0) time.wanted(path.keys[i].time - path.keys[i - 1].time >= kShortest, "later than the key before");
+  }
+  const double frameCount = (path.keys.back().time - path.keys.front().time) * path.fps;
+  keys.wanted(frameCount <= kMostFrames, "at most {} frames", kMostFrames);
+  return path;
+}
+
+void checkCameraPath(const CameraPath& path, const std::string& name) {
+  const auto wanted = [&](bool holds, const std::string& place, const char* what) {
+    check(holds, ErrorCode::invalidInput, "{}: /{}: {}", name, place, what);
+  };
+  const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
+  wanted(within(path.width, 1, kLargestSide) && within(path.height, 1, kLargestSide), "size", "is no size");
+  wanted(within(path.fps, kSlowest, kFastest), "fps", "is too small or too large");
+  wanted(!path.keys.empty(), "keys", "are none");
+  for (std::size_t i = 0; i < path.keys.size(); ++i) {
+    const CameraKey& key = path.keys[i];
+    const std::string place = fmt::format("keys/{}/", i);
+    wanted(within(key.time, -kLongest, kLongest), place + "time", "is not within a day");
+    wanted(i == 0 || key.time - path.keys[i - 1].time >= kShortest, place + "time", "is not later than the key before");
+    for (int axis = 0; axis < 3; ++axis)
+      wanted(std::abs(key.position[axis]) <= kLargestCoordinate, place + "position", "is not finite or too large");
+    wanted(std::abs(glm::length(key.rotation) - 1.0) < 1e-3, place + "rotation", "is no unit quaternion");
+    wanted(within(key.fovY, kNarrowestFov, kWidestFov), place + "fovY", "is no field of view");
+  }
+  wanted((path.keys.back().time - path.keys.front().time) * path.fps <= kMostFrames, "keys", "make too many frames");
+}
+
+void writeCameraPath(const std::filesystem::path& file, const CameraPath& path) {
+  Json json{{"version", kVersion}, {"size", {path.width, path.height}}, {"fps", path.fps}, {"keys", Json::array()}};
+  for (const CameraKey& key : path.keys) {
+    Json& entry = json["keys"].emplace_back(Json{{"time", key.time}});
+    addPose(entry, {key.position, key.rotation});
+    entry["fovY"] = key.fovY;
+  }
+  writeFile(file, json.dump(1) + '\n');
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/camera/json_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace ibr::app {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+constexpr int kDeepest = 8;
+}
+
+JsonField JsonField::at(const char* key) const {
+  wanted(has(key), "an object with \"{}\"", key);
+  return {json_[key], place_ + '/' + key};
+}
+
+JsonField JsonField::at(std::size_t i) const {
+  return {json_[i], fmt::format("{}/{}", place_, i)};
+}
+
+std::size_t JsonField::size(std::size_t least, std::size_t most) const {
+  wanted(json_.is_array() && json_.size() >= least && json_.size() <= most, "an array of {} to {} values", least, most);
+  return json_.size();
+}
+
+double JsonField::number(double low, double high) const {
+  const double value = json_.is_number() ? json_.get<double>() : std::nan("");
+  wanted(value >= low && value <= high, "a number from {} to {}", low, high);
+  return value;
+}
+
+int JsonField::integer(int low, int high) const {
+  const double value = number(low, high);
+  wanted(value == std::floor(value), "a whole number");
+  return int(value);
+}
+
+std::string JsonField::text() const {
+  wanted(json_.is_string(), "a text");
+  return json_.get<std::string>();
+}
+
+void JsonField::refuse(const std::string& what) const {
+  std::string text = json_.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  fail(ErrorCode::invalidInput, "{}: is {}, but must be {}", place_, text, what);
+}
+
+// nlohmann keeps the last of two equal keys; we take neither. Depth is capped while parsing, before anything recurses.
+Json parseJson(const std::string& text, const std::string& name) {
+  std::vector<std::vector<std::string>> open;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    check(depth <= kDeepest, ErrorCode::invalidInput, "{}: nested more than {} deep", name, kDeepest);
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const auto& key = value.get_ref<const std::string&>();
+      check(std::ranges::find(open.back(), key) == open.back().end(), ErrorCode::invalidInput,
+            "{}: \"{}\" stands twice", name, key);
+      open.back().push_back(key);
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, watch);
+  } catch (const Json::exception& e) {
+    fail(ErrorCode::invalidInput, "{}: is not JSON: {}", name, e.what());
+  }
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/camera/path_recorder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <vector>
+
+#include "base/check.h"
+#include "shared/camera/camera_json.h"
+#include "shared/report/statistics.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr double kApart = 1e-3;   // s between keys
+constexpr int kSamples = 32;      // of a segment, for its length
+constexpr int kSettlings = 8;     // a spline's shape depends a little on its times
+constexpr double kStill = 1e-12;  // of the world's size: no way
+
+Pose poseOf(const CameraKey& key) {
+  return {key.position, key.rotation};
+}
+
+bool later(const CameraKey& a, const CameraKey& b) {
+  return a.time < b.time;
+}
+
+CameraPath checked(CameraPath path) {
+  checkCameraPath(path, "camera path");
+  return path;
+}
+
+// Along the spline, from each key to the next. Times need not be those of the keys' ways.
+std::vector<double> waysOf(const CameraPath& path, double unitsPerRadian) {
+  std::vector<double> ways;
+  for (std::size_t i = 0; i + 1 < path.keys.size(); ++i) {
+    const CameraKey &from = path.keys[i], &to = path.keys[i + 1];
+    Pose last = poseOf(from);
+    double way = 0;
+    for (int s = 1; s <= kSamples; ++s) {
+      const Pose pose = cameraAt(path, std::lerp(from.time, to.time, double(s) / kSamples)).pose;
+      way += wayBetween(last, pose, unitsPerRadian);
+      last = pose;
+    }
+    ways.push_back(way);
+  }
+  return ways;
+}
+
+bool standsStill(const CameraKey& a, const CameraKey& b, double unitsPerRadian) {
+  const double size = std::max({1.0, glm::length(a.position), unitsPerRadian});
+  return wayBetween(poseOf(a), poseOf(b), unitsPerRadian) <= kStill * size;
+}
+
+// `seconds` for the whole path, or with 0 the speed.
+CameraPath retimed(const CameraPath& before, double unitsPerSecond, double seconds) {
+  CameraPath path = before;
+  const std::size_t segments = path.keys.empty() ? 0 : path.keys.size() - 1;
+  const double unitsPerRadian = unitsPerRadianOf(path);
+  for (int round = 0; round < kSettlings; ++round) {
+    std::vector<double> steps = waysOf(path, unitsPerRadian);
+    double way = 0, pauses = 0;
+    std::vector<bool> still(segments);
+    for (std::size_t i = 0; i < segments; ++i) {
+      still[i] = standsStill(before.keys[i], before.keys[i + 1], unitsPerRadian);
+      (still[i] ? pauses : way) += still[i] ? before.keys[i + 1].time - before.keys[i].time : steps[i];
+    }
+    const double total = before.keys.empty() ? 0 : before.keys.back().time - before.keys.front().time;
+    double speed = unitsPerSecond, pauseShare = 1;
+    if (seconds > 0) {
+      pauseShare = seconds / total;
+      speed = way / (seconds - pauses * pauseShare);
+    }
+    for (std::size_t i = 0; i < segments; ++i) {
+      const double step = still[i] ? (before.keys[i + 1].time - before.keys[i].time) * pauseShare : steps[i] / speed;
+      path.keys[i + 1].time = path.keys[i].time + std::max(step, kApart);
+    }
+  }
+  return path;
+}
+
+}  // namespace
+
+std::size_t putKey(CameraPath& path, const CameraKey& key) {
+  CameraPath changed = path;
+  std::erase_if(changed.keys, [&](const CameraKey& k) { return std::abs(k.time - key.time) < kApart; });
+  const auto place = std::lower_bound(changed.keys.begin(), changed.keys.end(), key, later);
+  const std::size_t index = std::size_t(place - changed.keys.begin());
+  changed.keys.insert(place, key);
+  changed = checked(std::move(changed));
+  changed.keys[index].rotation = unitRotation(key.rotation);  // so that it is the same once it was saved
+  path = std::move(changed);
+  return index;
+}
+
+std::size_t appendKey(CameraPath& path, const Pose& pose, double fovY, double unitsPerSecond) {
+  check(unitsPerSecond > 0, ErrorCode::invalidInput, "camera path: the speed must be above 0");
+  double time = 0;
+  if (!path.keys.empty()) {
+    const CameraKey& last = path.keys.back();
+    CameraPath longer = path;  // the first step knows no other
+    longer.keys.push_back({last.time + 1, pose.position, pose.rotation, fovY});
+    const double way = wayBetween(poseOf(last), pose, unitsPerRadianOf(longer));
+    time = last.time + std::max(way / unitsPerSecond, std::max(1 / path.fps, kApart));
+  }
+  return putKey(path, {time, pose.position, pose.rotation, fovY});
+}
+
+std::size_t moveKey(CameraPath& path, std::size_t key, double time) {
+  check(key < path.keys.size(), ErrorCode::invalidInput, "camera path: there is no key {}", key);
+  CameraPath changed = path;
+  CameraKey moved = changed.keys[key];
+  changed.keys.erase(changed.keys.begin() + std::ptrdiff_t(key));
+  moved.time = time;
+  for (const CameraKey& other : changed.keys)
+    check(!(std::abs(other.time - time) < kApart), ErrorCode::invalidInput, "camera path: a key is at {} s already",
+          other.time);
+  const std::size_t index = putKey(changed, moved);
+  path = std::move(changed);
+  return index;
+}
+
+void deleteKey(CameraPath& path, std::size_t key) {
+  check(key < path.keys.size(), ErrorCode::invalidInput, "camera path: there is no key {}", key);
+  path.keys.erase(path.keys.begin() + std::ptrdiff_t(key));
+}
+
+double wayBetween(const Pose& from, const Pose& to, double unitsPerRadian) {
+  const glm::dquat turn = glm::conjugate(from.rotation) * to.rotation;
+  const double angle = 2 * std::atan2(std::hypot(turn.x, turn.y, turn.z), std::abs(turn.w));
+  return std::hypot(glm::distance(from.position, to.position), angle * unitsPerRadian);
+}
+
+double unitsPerRadianOf(const CameraPath& path) {
+  std::vector<double> ways;
+  for (std::size_t i = 0; i + 1 < path.keys.size(); ++i)
+    if (const double way = glm::distance(path.keys[i].position, path.keys[i + 1].position); way > 0)
+      ways.push_back(way);
+  return ways.empty() ? 1.0 : 2 * quantile(ways, 0.5);
+}
+
+void retimeAtSpeed(CameraPath& path, double unitsPerSecond) {
+  check(unitsPerSecond > 0 && std::isfinite(unitsPerSecond), ErrorCode::invalidInput,
+        "camera path: the speed must be above 0");
+  if (path.keys.size() > 1) path = checked(retimed(path, unitsPerSecond, 0));
+}
+
+void retimeToLast(CameraPath& path, double seconds) {
+  check(seconds > 0 && std::isfinite(seconds), ErrorCode::invalidInput, "camera path: it must last longer than 0 s");
+  if (path.keys.size() > 1) path = checked(retimed(path, 0, seconds));
+}
+
+}  // namespace ibr::app

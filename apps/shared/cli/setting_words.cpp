@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/cli/setting_words.h"
+
+namespace ibr::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// renderScale → --render-scale
+std::string optionOf(const std::string& key) {
+  std::string option = "--";
+  for (const char c : key) {
+    if (c >= 'A' && c <= 'Z')
+      option += {'-', char(c - 'A' + 'a')};
+    else
+      option += c;
+  }
+  return option;
+}
+
+std::string wordOf(const Json& value) {
+  if (!value.is_array()) return value.is_string() ? value.get<std::string>() : value.dump();
+  std::string list;
+  for (const Json& one : value) list += (list.empty() ? "" : ",") + wordOf(one);
+  return list;
+}
+
+}  // namespace
+
+std::vector<std::string> settingWords(const Json& settings) {
+  std::vector<std::string> words;
+  for (const auto& [key, value] : settings.items()) {
+    if (value.is_null() || value == false || (value.is_array() && value.empty())) continue;
+    words.push_back(optionOf(key));
+    if (value != true) words.push_back(wordOf(value));
+  }
+  return words;
+}
+
+}  // namespace ibr::app

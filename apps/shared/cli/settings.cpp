@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/cli/settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "shared/cli/options.h"
+
+namespace ibr::app {
+
+namespace {
+
+static_assert([] {
+  for (std::size_t i = 0; i < kOverlays.size(); ++i)
+    if (std::size_t(kOverlays[i].overlay) != i) return false;
+  return true;
+}());
+
+// "3,7"
+std::vector<std::uint32_t> parsedCells(const std::string& option, const std::string& text) {
+  std::vector<std::uint32_t> cells;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    cells.push_back(std::uint32_t(parsedInt(option, text.substr(from, comma - from), 0, 1000000000)));
+    from = comma + 1;
+  }
+  return cells;
+}
+
+}  // namespace
+
+RenderSettings presetOver(const RenderSettings& settings, Preset preset) {
+  RenderSettings chosen = ibr::preset(preset);
+  chosen.overlay = settings.overlay;
+  chosen.mutedCells = settings.mutedCells;
+  chosen.soloCells = settings.soloCells;
+  return chosen;
+}
+
+void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
+  // Declared first, so that what is given explicitly comes later and wins.
+  app.add_option_function<std::string>(
+         "--preset",
+         [&settings](const std::string& text) {
+           for (const auto& [word, meaning] : kPresets)
+             if (word == text) {
+               settings = preset(meaning);
+               return;
+             }
+           throw CLI::ValidationError("--preset", "'" + text + "' is none of fast|balanced|accurate|reference");
+         },
+         "All settings at once, from the fastest to the most accurate; those given beside it win")
+      ->type_name("fast|balanced|accurate|reference");
+  addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
+         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
+         "fills what is still empty from around");
+  addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
+                   "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
+  addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
+                  "Cells that share photographs move a little, so that they agree where poses are wrong; not with the "
+                  "paper's morph [off]");
+  addChoice<BlendMode>(app, "--blend", settings.blend,
+                       {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}},
+                       "Weighted sum of the photographs, one of them a pixel, or the mean of both [blend]");
+  addDouble(app, "--extrapolation", settings.extrapolationLimit, 0, 1e6,
+            "Draw no cell that is further away than X times its size");
+  addDouble(app, "--switch", settings.switchSeconds, 0, 60,
+            "Along a path, seconds over which a change of the main cell is mixed; 0: cuts");
+  addDouble(app, "--texture-scale", settings.textureScale, 0.01, 100,
+            "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
+  addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
+            "Draw cells in a picture whose sides are X of the result's, and scale it");
+  addCount<std::uint32_t>(app, "--backdrops", settings.maxBackdrops, 0, kLargestBackdropCount,
+                          "Draw at most N backdrops");
+  addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
+                  "Two views: one colour table for both, or each its own [shared]");
+  addChoice<Exposure>(
+      app, "--exposure", settings.exposure,
+      [] {
+        std::vector<std::pair<std::string, Exposure>> choices;
+        for (const auto& [word, exposure] : kExposures) choices.emplace_back(word, exposure);
+        return choices;
+      }(),
+      "Photographs as they are, or as if all had one exposure: the scene's mean, or that of the photographs which the "
+      "main cell shows [adapted]");
+  addChoice<ColourTable>(
+      app, "--colour-table", settings.colourTable,
+      {{"naive", ColourTable::naive}, {"strict", ColourTable::strict}, {"preserving", ColourTable::preserving}},
+      "How colour tables go on beyond the colours that cells share [preserving]");
+  addDouble(app, "--colour-samples", settings.colourSamples, 0, 1,
+            "Share of the pixels of an overlap that colour tables are made from");
+  addInt(app, "--colour-proxy", settings.colourProxy, 1, 64,
+         "Colour tables of ours are made from a picture of all cells whose sides are N times shorter");
+  addInt(app, "--colour-period", settings.colourPeriod, 1, 1000,
+         "Along a path, colour tables of ours are made anew every N frames");
+}
+
+void declareSettings(CLI::App& app, RenderSettings& settings) {
+  declarePictureSettings(app, settings);
+  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
+  addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
+                       "Main cell first with depth, or the paper's back to front without [ours]");
+  addChoice<ColourMapping>(
+      app, "--colour", settings.colourMapping,
+      [] {
+        std::vector<std::pair<std::string, ColourMapping>> choices;
+        for (const auto& [word, mapping] : kColourMappings) choices.emplace_back(word, mapping);
+        return choices;
+      }(),
+      "Colours of all cells adapt to the main cell's: tables from a proxy, or the paper's sequence, whose tables are\n"
+      "applied to all pixels or by drawing again [off]");
+}
+
+void declareOverlays(CLI::App& app, RenderSettings& settings) {
+  std::vector<std::pair<std::string, Overlay>> choices;
+  std::string description = "What is shown over the picture or in its place [none]:";
+  for (const OverlayWord& line : kOverlays) {
+    choices.emplace_back(line.word, line.overlay);
+    if (line.overlay != Overlay::none) description += fmt::format("\n{}: {}", line.word, line.shows);
+  }
+  addChoice<Overlay>(app, "--overlay", settings.overlay, std::move(choices), description)->type_name("NAME");
+  const auto cells = [&app](const char* name, std::vector<std::uint32_t>& value, const char* what) {
+    app.add_option_function<std::string>(
+           name, [name, &value](const std::string& text) { value = parsedCells(name, text); }, what)
+        ->type_name("N,N…");
+  };
+  cells("--mute", settings.mutedCells, "Never draw these cells");
+  cells("--solo", settings.soloCells, "Draw these cells alone, without backdrops");
+}
+
+bool overlaysGoWith(const RenderSettings& settings) {
+  return optionsFor(settings, {}).colour != ColourSupport::all;
+}
+
+void checkOverlays(const RenderSettings& settings) {
+  if (settings.overlay != Overlay::none && !overlaysGoWith(settings))
+    throw CLI::ValidationError("--overlay", "does not go with the paper's ways of --colour");
+}
+
+void checkCells(const RenderSettings& settings, const Scene& scene) {
+  const std::size_t n = scene.cells.size();
+  for (const auto& [name, cells] : {std::pair{"--mute", &settings.mutedCells}, {"--solo", &settings.soloCells}})
+    for (const std::uint32_t cell : *cells)
+      check(cell<n, ErrorCode::invalidInput, "{} {}: the scene has {} cells, 0 to {}", name, cell, n, n> 0 ? n - 1 : 0);
+}
+
+const OverlayWord& wordOf(Overlay overlay) {
+  return kOverlays[std::size_t(overlay)];
+}
+
+const char* wordOf(ColourMapping mapping) {
+  for (const auto& [word, meaning] : kColourMappings)
+    if (meaning == mapping) return word;
+  return "";
+}
+
+const char* wordOf(Exposure exposure) {
+  return kExposures[std::size_t(exposure)].first;
+}
+
+const char* wordOf(BlendMode blend) {
+  return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
+}
+
+void declareGpuScene(CLI::App& app, GpuSceneOptions& options) {
+  addBytes(app, "--vram-budget", options.budgetBytes,
+           "Hold the scene in so many bytes of the device's memory (K, M, G for 2^10, 2^20, 2^30) and stream "
+           "photographs [no limit]");
+  addChoice<BlockTextures>(
+      app, "--blocks", options.blocks,
+      {{"auto", BlockTextures::automatic}, {"keep", BlockTextures::keep}, {"decode", BlockTextures::decode}},
+      "Textures in blocks (bc1, bc7) stay as they are, or become rgba8 [auto: that on software devices that have "
+      "the memory]");
+  addChoice<TextureFilter>(app, "--filter", options.filter,
+                           {{"auto", TextureFilter::automatic},
+                            {"bilinear", TextureFilter::bilinear},
+                            {"trilinear", TextureFilter::trilinear},
+                            {"bicubic", TextureFilter::bicubic}},
+                           "Sample one mip level of a photograph, or two; bicubic is sharper where a photograph is "
+                           "magnified [auto: one on software devices]");
+}
+
+void declareTextureFormat(CLI::App& app, TextureFormat& format) {
+  addChoice<TextureFormat>(
+      app, "--texture", format,
+      {{"rgba8", TextureFormat::rgba8}, {"bc1", TextureFormat::bc1}, {"bc7", TextureFormat::bc7}},
+      "How textures are stored: 4 bytes a pixel as they are, or 0.5 (bc1) or 1 (bc7) in blocks [rgba8]");
+}
+
+nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene) {
+  nlohmann::ordered_json budget;  // null: no limit
+  if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
+  return {{"cells", settings.maxCells},
+          {"backdrops", settings.maxBackdrops},
+          {"tiers", settings.lowestTier},
+          {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
+          {"align", settings.alignCells ? "on" : "off"},
+          {"order", settings.order == DrawOrder::ours ? "ours" : "paper"},
+          {"blend", wordOf(settings.blend)},
+          {"extrapolation", settings.extrapolationLimit},
+          {"switch", settings.switchSeconds},
+          {"textureScale", settings.textureScale},
+          {"renderScale", settings.renderScale},
+          {"eyeColours", settings.shareEyeColours ? "shared" : "own"},
+          {"exposure", wordOf(settings.exposure)},
+          {"colour", wordOf(settings.colourMapping)},
+          {"colourTable", settings.colourTable == ColourTable::naive    ? "naive"
+                          : settings.colourTable == ColourTable::strict ? "strict"
+                                                                        : "preserving"},
+          {"colourSamples", settings.colourSamples},
+          {"colourProxy", settings.colourProxy},
+          {"colourPeriod", settings.colourPeriod},
+          {"vramBudget", budget},
+          {"blocks", gpuScene.blocks == BlockTextures::keep     ? "keep"
+                     : gpuScene.blocks == BlockTextures::decode ? "decode"
+                                                                : "auto"},
+          {"filter", gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
+                     : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
+                     : gpuScene.filter == TextureFilter::bicubic   ? "bicubic"
+                                                                   : "auto"}};
+}
+
+nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,
+                                           const std::optional<FloorWish>& floor) {
+  nlohmann::ordered_json json = settingsJson(settings, gpuScene), eyeHeight, spacing, overlay;
+  if (floor) eyeHeight = floor->eyeHeight;
+  if (floor && floor->spacing) spacing = *floor->spacing;
+  if (settings.overlay != Overlay::none) overlay = wordOf(settings.overlay).word;
+  json["floor"] = eyeHeight;
+  json["floorSpacing"] = spacing;
+  json["overlay"] = overlay;
+  json["mute"] = settings.mutedCells;
+  json["solo"] = settings.soloCells;
+  return json;
+}
+
+}  // namespace ibr::app

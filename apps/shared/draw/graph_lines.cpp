@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/draw/graph_lines.h"
+
+#include "shared/camera/roaming.h"
+
+namespace ibr::app {
+namespace {
+
+GraphOverlay linesOf(Device& device, const ImageGraph& graph, VkFormat format) {
+  std::vector<Pose> poses;
+  for (const Camera& camera : graph.photographs) poses.push_back(camera.pose);
+  return {device, graph, {.frustumDepth = neighbourDistance(poses).value_or(1) / 3, .formats = {format}}};
+}
+
+Target recorded(Target picture) {
+  picture.before = picture.after;
+  return picture;
+}
+
+}  // namespace
+
+GraphOverlay graphLines(Device& device, const Scene& scene, VkFormat format) {
+  return linesOf(device, imageGraph(scene), format);
+}
+
+GraphOverlay graphLines(Device& device, const HtmModel& model, VkFormat format) {
+  ImageGraph graph;
+  for (const HtmCamera& camera : model.cameras) graph.photographs.push_back(camera.camera);
+  return linesOf(device, graph, format);
+}
+
+void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const FramePlan& plan,
+                 std::span<const Target> pictures) {
+  std::vector<std::uint32_t> best;
+  for (const PlannedCell& cell : plan.cells) best.push_back(cell.cell);
+  for (std::size_t view = 0; view < pictures.size(); ++view)
+    graph.record(commands, plan.views[view], best, recorded(pictures[view]));
+}
+
+void recordGraph(VkCommandBuffer commands, const GraphOverlay& graph, const Camera& view, const Target& picture) {
+  graph.record(commands, view, {}, recorded(picture));
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/report/svg_text.h"
+
+#include <algorithm>
+
+namespace ibr::app {
+
+std::string escapedXml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+    }
+  }
+  return out;
+}
+
+std::size_t lettersOf(const std::string& text) {
+  return std::size_t(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+std::vector<std::string> wrapped(const std::string& text, std::size_t letters) {
+  std::vector<std::string> lines{""};
+  std::string word;
+  for (const char c : text + ' ') {
+    if (c != ' ') {
+      word += c;
+      continue;
+    }
+    if (!lines.back().empty() && lettersOf(lines.back()) + 1 + lettersOf(word) > letters) lines.emplace_back();
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+    word.clear();
+  }
+  return lines;
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/control/job_plans.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+
+#include "shared/cli/setting_words.h"
+#include "viewer/control/screenshot.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+using Words = std::vector<std::string>;
+
+void append(Words& words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+}
+
+bool isPhotograph(const fs::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* known : {".jpg", ".jpeg", ".png", ".tif", ".tiff"})
+    if (extension == known) return true;
+  return false;
+}
+
+// The poses that lie with the photographs, as options.
+Words posesIn(const fs::path& folder) {
+  for (const char* model : {"sparse/0", "sparse"})
+    for (const char* images : {"images.bin", "images.txt"})
+      if (fs::exists(folder / model / images)) return {"--model", (folder / model).string()};
+  if (fs::exists(folder / "transforms.json")) return {"--transforms", (folder / "transforms.json").string()};
+  return {};
+}
+
+// Of `ibr render`.
+Words wordsOf(const OpenItem& place, const GpuSceneOptions& gpuScene) {
+  Words words = settingWords(settingsOf(place, gpuScene));
+  if (place.video && !place.playing) append(words, {"--time", fmt::format("{}", place.time)});
+  return words;
+}
+
+// A pattern for ffmpeg, in which % stands for a number.
+std::string framesIn(const fs::path& folder) {
+  std::string pattern;
+  for (const char c : folder.string()) pattern += c == '%' ? "%%" : std::string(1, c);
+  return pattern + "/frame_%04d.png";
+}
+
+// Sides are even in what players show everywhere.
+Words encode(const fs::path& pictures, double fps, const fs::path& video) {
+  return {"ffmpeg",      "-v",
+          "error",       "-y",
+          "-framerate",  fmt::format("{}", fps),
+          "-i",          framesIn(pictures),
+          "-vf",         "crop=trunc(iw/2)*2:trunc(ih/2)*2",
+          "-pix_fmt",    "yuv420p",
+          "-crf",        "20",
+          "-movflags",   "+faststart",
+          video.string()};
+}
+
+}  // namespace
+
+bool holdsPhotographs(const fs::path& folder) noexcept try {
+  constexpr int kEnough = 2, kLooks = 10000;
+  int found = 0, looks = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+    if (++looks > kLooks) return false;
+    if (isPhotograph(entry.path()) && ++found == kEnough) return true;
+  }
+  return false;
+} catch (const fs::filesystem_error&) {
+  return false;
+}
+
+JobPlan buildPlan(const fs::path& photographs) {
+  fs::path folder = fs::absolute(photographs).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  const fs::path scene = folder.string() + "-scene";
+  Words words{ibrProgram().string(), "build", folder.string(), "-o", scene.string()};
+  append(words, posesIn(folder));
+  return {.name = scene.filename().string(), .steps = {{"begins", std::move(words)}}, .done = {}, .opens = scene};
+}
+
+JobPlan videoPlan(const OpenItem& place, const fs::path& cameraPath, const GpuSceneOptions& gpuScene,
+                  const std::string& device) {
+  const fs::path pictures = fs::path(cameraPath).replace_extension(), video = pictures.string() + ".mp4";
+  Words render{ibrProgram().string(), "render", place.path.string(), "--poses",
+               cameraPath.string(),   "-o",     pictures.string()};
+  append(render, wordsOf(place, gpuScene));
+  if (!device.empty()) append(render, {"--device", device});
+  JobPlan plan{.name = video.filename().string(), .steps = {{"begins", std::move(render)}}, .done = {}, .opens = {}};
+  if (isOnPath("ffmpeg")) {
+    const fs::path part = pictures.string() + ".part.mp4";  // a video that is there is whole
+    plan.steps.push_back({"ffmpeg joins the pictures", encode(pictures, place.route.fps, part)});
+    plan.steps.push_back({"", {"mv", part.string(), video.string()}});
+    plan.done = fmt::format("{} written", video.string());
+  } else {
+    plan.done = fmt::format("{} holds the pictures; for a video of them install ffmpeg", pictures.string());
+  }
+  return plan;
+}
+
+}  // namespace ibr::app

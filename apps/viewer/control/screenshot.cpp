@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/control/screenshot.h"
+
+#include <fmt/format.h>
+
+#include "base/file.h"
+#include "shared/cli/htm_view_settings.h"
+#include "shared/draw/picture_record.h"
+#include "shared/draw/pictures.h"
+#include "shared/cli/settings.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+
+fs::path freeFile(const fs::path& folder, const char* name, const char* extension) {
+  for (int number = 1;; ++number) {
+    const fs::path stem = folder / fmt::format("{}_{:04d}", name, number);
+    const auto isFree = [&](const char* ending) { return !fs::exists(stem.string() + ending); };
+    if (isFree(extension) && isFree("") && isFree(".mp4")) return stem.string() + extension;
+  }
+}
+
+nlohmann::ordered_json settingsOf(const OpenItem& place, const GpuSceneOptions& gpuScene) {
+  nlohmann::ordered_json settings =
+      place.scene ? pictureSettingsJson(place.settings, gpuScene, {}) : htmSettingsJson(place.htmSettings, false);
+  settings["graph"] = place.showGraph;
+  return settings;
+}
+
+void writeScreenshot(const fs::path& file, const Image8& image, const OpenItem& place, VkExtent2D extent,
+                     const GpuSceneOptions& gpuScene) {
+  if (file.has_parent_path()) makeFolders(file.parent_path());
+  const Camera camera = cameraOf(place, extent);
+  const std::optional<double> time = place.video ? std::optional(place.time) : std::nullopt;
+  writePicture(file, place.scene ? rgb(image) : image, {camera, time, settingsOf(place, gpuScene)});
+}
+
+}  // namespace ibr::app

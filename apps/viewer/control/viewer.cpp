@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/control/viewer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "ibr/asset.h"
+#include "ibr/error.h"
+#include "viewer/control/job_plans.h"
+#include "window/window.h"
+
+namespace fs = std::filesystem;
+
+namespace ibr::app {
+namespace {
+
+// The first settings are those of all places; they may name cells that this one does not have. Whether they did.
+bool keepCellsOf(const Scene& scene, RenderSettings& settings) {
+  std::size_t dropped = 0;
+  for (std::vector<std::uint32_t>* cells : {&settings.mutedCells, &settings.soloCells})
+    dropped += std::erase_if(*cells, [&](std::uint32_t cell) { return cell >= scene.cells.size(); });
+  return dropped > 0;
+}
+
+bool same(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) || fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+}
+
+}  // namespace
+
+void Viewer::open(const fs::path& path) {
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (same(places[i]->path, path)) {
+      current = i;
+      return;
+    }
+  if (std::ranges::any_of(opening, [&](const Opening& other) { return same(other.path, path); })) return;
+  std::error_code ignored;
+  if (!assetKind(path) && fs::is_directory(path, ignored) && holdsPhotographs(path)) {
+    JobPlan plan = buildPlan(path);
+    if (std::ranges::any_of(jobs, [&](const auto& job) { return job->plan().opens == plan.opens; })) return;
+    jobs.push_back(std::make_unique<Job>(std::move(plan)));
+    say(LogLevel::info, fmt::format("making a scene of {}", path.string()));
+    return;
+  }
+  opening.push_back({path, std::async(std::launch::async, [path] {
+                       struct Wake {
+                         ~Wake() { wakeWindow(); }
+                       } wake;
+                       return openPlace(path);
+                     })});
+}
+
+bool Viewer::takeDone() {
+  const std::size_t before = jobs.size();
+  for (std::size_t i = jobs.size(); i-- > 0;) {
+    const Job::State state = jobs[i]->state();
+    if (state == Job::State::running) continue;
+    const std::unique_ptr<Job> job = std::move(jobs[i]);
+    jobs.erase(jobs.begin() + std::ptrdiff_t(i));
+    const JobPlan& plan = job->plan();
+    if (state == Job::State::done && !plan.opens.empty()) {
+      std::erase_if(places, [&](const auto& place) { return same(place->path, plan.opens); });
+      current = std::min(current, places.empty() ? 0 : places.size() - 1);
+      open(plan.opens);
+    }
+    if (state == Job::State::done && !plan.done.empty()) show(plan.done);
+    if (state == Job::State::cancelled) say(LogLevel::info, fmt::format("{}: stopped", plan.name));
+    if (state == Job::State::failed) say(LogLevel::error, fmt::format("{}: {}", plan.name, job->progress()));
+  }
+  return jobs.size() != before;
+}
+
+bool Viewer::takeOpened() {
+  bool any = takeDone();
+  // In the order in which they were asked for.
+  while (!opening.empty() && opening[0].place.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    Opening done = std::move(opening[0]);
+    opening.erase(opening.begin());
+    any = true;
+    try {
+      places.push_back(std::make_unique<OpenItem>(done.place.get()));
+      current = places.size() - 1;
+      place()->settings = first;
+      if (firstRoute) {
+        place()->route = *std::exchange(firstRoute, std::nullopt);
+        place()->repeatingRoute = true;
+        place()->showRoute();
+      }
+      if (place()->scene && keepCellsOf(*place()->scene, place()->settings))
+        say(LogLevel::warning, fmt::format("{}: it has {} cells; others cannot be muted or drawn alone", place()->name,
+                                           place()->scene->cells.size()));
+      say(LogLevel::info, fmt::format("{}: {} photographs", places.back()->name, places.back()->viewpoints.size()));
+    } catch (const std::exception& e) {
+      say(LogLevel::error, e.what());
+    }
+  }
+  return any;
+}
+
+void Viewer::closeCurrent() {
+  if (!place()) return;
+  places.erase(places.begin() + std::ptrdiff_t(current));
+  current = std::min(current, places.empty() ? 0 : places.size() - 1);
+}
+
+void Viewer::show(std::string text) {
+  message = text;
+  warned = false;
+  messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(3);
+  say(LogLevel::info, std::move(text));
+}
+
+void Viewer::say(LogLevel level, std::string text) {
+  constexpr std::size_t kLines = 1000;
+  if (mirror) mirror(level, text);
+  failed |= level == LogLevel::error;
+  if (level >= LogLevel::warning) {
+    message = text;
+    warned = true;
+    messageUntil = std::chrono::steady_clock::now() + std::chrono::seconds(8);
+  }
+  log.push_back({level, std::move(text)});
+  if (log.size() > kLines) log.pop_front();
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// Harmonised models and 3D video.
+#include <algorithm>
+#include <optional>
+
+#include "ibr/offscreen.h"
+#include "shared/draw/graph_lines.h"
+#include "shared/draw/htm_renderer.h"
+#include "shared/camera/mesh_pick.h"
+#include "shared/draw/pictures.h"
+#include "viewer/open/place_on_device.h"
+#include "viewer/open/open_item_kinds.h"
+
+namespace ibr::app {
+namespace {
+
+class ModelOnDevice final : public PlaceOnDevice {
+ public:
+  ModelOnDevice(Device& device, OpenItem& place) : device_(device), place_(place) { choose(); }
+
+  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
+    choose();
+    prepare(target);
+    const Camera view = cameraOf(place_, target.extent);
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {view, place_.htmSettings, moment.seconds}, state_);
+    quiet_ = sameView(view, lastView_) ? quiet_ + moment.seconds : 0;
+    lastView_ = view;
+    state_ = plan.next;
+    renderer_->record(moment.commands, plan, target, timer);
+    if (place_.showGraph) {
+      const GpuScope scope(moment.commands, timer, "graph");
+      recordGraph(moment.commands, graph(), view, target);
+    }
+  }
+
+  bool restless() const override { return place_.playing || waiting_ || quiet_ < 5 * place_.htmSettings.smoothSeconds; }
+
+  Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
+    choose(true);  // what the picture says that it shows
+    Offscreen offscreen(device_, extent);
+    const HtmRenderer renderer(device_, *gpuModel_, {.largest = extent});
+    const HtmFramePlan plan = planHtmFrame(*model_, bounds_, {cameraOf(place_, extent), place_.htmSettings, 0});
+    ++frame;
+    Image8 image = offscreen.render([&](VkCommandBuffer commands) {
+      renderer.record(commands, plan, offscreen.target());
+      if (place_.showGraph) recordGraph(commands, graph(), plan.view, offscreen.target());
+    });
+    if (place_.showGraph) makeOpaque(image);  // lines lie beside the object too
+    return image;
+  }
+
+  std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
+    const Camera view = cameraOf(place_, extent);
+    return pickedPoint(model_->surface.mesh, view.pose.position,
+                       view.pose.rotation * unproject(view.intrinsics, pixel));
+  }
+
+  void remakePipelines() override {
+    vkDeviceWaitIdle(device_.handle());
+    graph_.reset();
+    if (!renderer_) return;
+    HtmRenderer fresh(device_, *gpuModel_, {.largest = largest_, .formats = {format_}});
+    *renderer_ = std::move(fresh);
+  }
+
+  std::vector<MemoryClass> memory() const override {
+    const GpuHtmModel::Memory m = gpuModel_->memory();
+    return {{"photographs", m.photographs, false},
+            {"mesh", m.mesh, false},
+            {"complements", m.complements, false},
+            {"depths", m.depths, false}};
+  }
+
+ private:
+  // The model of this moment. One that is not there yet is waited for, or comes later and the last one stays until
+  // then.
+  void choose(bool waits = false) {
+    std::shared_ptr<const HtmModel> model{std::shared_ptr<void>(), &*place_.model};
+    HtmPictureSource source = readHtmPicture;
+    if (place_.video) {
+      const std::size_t index = place_.video->frameAt(place_.time);
+      const auto frame = model_ && !waits ? place_.video->tryFrame(index) : place_.video->frame(index);
+      waiting_ = !frame;
+      if (!frame) return;
+      model = {frame, &frame->model};
+      source = [frame](const HtmModel&, std::size_t camera) { return frame->pictures[camera]; };
+    }
+    if (model == model_) return;
+    if (gpuModel_) {
+      state_ = htmStateFor(*model, *model_, state_);
+      vkDeviceWaitIdle(device_.handle());
+      gpuModel_->replace(*model, source);
+      if (renderer_) renderer_->show(*gpuModel_);
+    } else {
+      gpuModel_.emplace(device_, *model, source);
+    }
+    model_ = std::move(model);
+    bounds_ = htmBounds(*model_);
+  }
+
+  void prepare(const Target& target) {
+    const VkExtent2D& e = target.extent;
+    if (renderer_ && largest_.width >= e.width && largest_.height >= e.height) return;
+    vkDeviceWaitIdle(device_.handle());
+    largest_ = {std::max(largest_.width, e.width), std::max(largest_.height, e.height)};
+    format_ = target.format;
+    renderer_.emplace(device_, *gpuModel_, HtmRendererOptions{.largest = largest_, .formats = {target.format}});
+  }
+
+  GraphOverlay& graph() {
+    if (!graph_) graph_ = graphLines(device_, *place_.model, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    return *graph_;
+  }
+
+  Device& device_;
+  OpenItem& place_;
+  std::shared_ptr<const HtmModel> model_;
+  HtmBounds bounds_;
+  std::optional<GpuHtmModel> gpuModel_;
+  std::optional<HtmRenderer> renderer_;
+  std::optional<GraphOverlay> graph_;
+  VkExtent2D largest_{0, 0};
+  VkFormat format_ = VK_FORMAT_UNDEFINED;
+  HtmState state_;
+  Camera lastView_;
+  double quiet_ = 0;
+  bool waiting_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaceOnDevice> modelOnDevice(Device& device, OpenItem& place) {
+  return std::make_unique<ModelOnDevice>(device, place);
+}
+
+std::unique_ptr<PlaceOnDevice> putOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options) {
+  return place.scene ? sceneOnDevice(device, place, options) : modelOnDevice(device, place);
+}
+
+}  // namespace ibr::app

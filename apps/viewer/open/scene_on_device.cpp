@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <optional>
+
+#include "base/stopwatch.h"
+#include "ibr/offscreen.h"
+#include "shared/draw/graph_lines.h"
+#include "shared/draw/scene_renderer.h"
+#include "shared/report/statistics.h"
+#include "viewer/open/place_on_device.h"
+#include "viewer/open/open_item_kinds.h"
+#include "viewer/open/trust_probe.h"
+
+namespace ibr::app {
+namespace {
+
+// Whether a renderer made for `has` can draw what needs `needs`.
+bool serves(const RendererOptions& has, const RendererOptions& needs) {
+  const auto within = [](const auto& few, const auto& many) {
+    return std::ranges::all_of(few, [&](auto one) { return std::ranges::find(many, one) != many.end(); });
+  };
+  return has.largest.width >= needs.largest.width && has.largest.height >= needs.largest.height &&
+         has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
+         within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
+         has.largestScale >= needs.largestScale && within(needs.formats, has.formats) &&
+         within(needs.orders, has.orders) && within(needs.blends, has.blends);
+}
+
+class SceneOnDevice final : public PlaceOnDevice {
+ public:
+  SceneOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options)
+      : device_(device), place_(place), bounds_(sceneBounds(*place.scene)), gpuScene_(device, *place.scene, options) {}
+
+  void record(const Moment& moment, const Target& target, ScopeTimer* timer) override {
+    const Camera view = cameraOf(place_, target.extent);
+    plan_ = planFrame(*place_.scene, bounds_, {{view}, place_.settings, moment.seconds}, plan_.next);
+    prepare(target);
+    streamed_ = gpuScene_.stream(moment.commands, plan_, moment.frame, moment.completed);
+    renderer_->record(moment.commands, plan_, std::span(&target, 1), timer);
+    if (place_.showGraph) {
+      const GpuScope scope(moment.commands, timer, "graph");
+      recordGraph(moment.commands, graph(), plan_, std::span(&target, 1));
+    }
+    // Colours fade for longer than the order does.
+    const RenderSettings& s = place_.settings;
+    const bool same = sameView(view, lastView_) && s == lastSettings_;
+    lastView_ = view;
+    lastSettings_ = s;
+    quiet_ = same ? quiet_ + moment.seconds : 0;
+    const double fades = std::max(s.switchSeconds, s.colourMapping == ColourMapping::off ? 0.0 : s.colourFadeSeconds);
+    const std::optional<glm::dvec3>& exposure = plan_.next.exposure;
+    const bool adapts = exposure && lastExposure_ && glm::distance(*exposure, *lastExposure_) > 1e-4;
+    lastExposure_ = exposure;
+    restless_ = streamed_.waiting > 0 || quiet_ < fades + 0.1 || adapts;
+  }
+
+  bool restless() const override { return restless_; }
+
+  Image8 picture(VkExtent2D extent, std::uint64_t& frame) override {
+    const FramePlan plan = planFrame(*place_.scene, bounds_, {{cameraOf(place_, extent)}, place_.settings, 0}, {});
+    Offscreen offscreen(device_, extent);
+    streamAll(device_, gpuScene_, plan, frame);
+    const Renderer renderer(device_, gpuScene_, needsOf(place_.settings, extent));
+    return offscreen.render([&](VkCommandBuffer commands) {
+      const Target target = offscreen.target();
+      renderer.record(commands, plan, target);
+      if (place_.showGraph) recordGraph(commands, graph(), plan, std::span(&target, 1));
+    });
+  }
+
+  TimedPicture timed(const Camera& view, const RenderSettings& settings, std::uint64_t& frame) override {
+    constexpr int kFrames = 5;  // after the first, which is slow
+    const FramePlan plan = planFrame(*place_.scene, bounds_, {{view}, settings, 0}, {});
+    const VkExtent2D extent{std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
+    Offscreen offscreen(device_, extent);
+    streamAll(device_, gpuScene_, plan, frame);
+    const Renderer renderer(device_, gpuScene_, needsOf(settings, extent));
+    ScopeTimer timer(device_, 1);
+    TimedPicture picture{};
+    std::vector<double> times;
+    for (int i = 0; i <= kFrames; ++i) {
+      const Stopwatch watch;
+      picture.image = offscreen.render([&](VkCommandBuffer commands) {
+        timer.reset(commands);
+        const GpuScope scope(commands, &timer, "frame");
+        renderer.record(commands, plan, offscreen.target());
+      });
+      const std::vector<ScopeTime> scopes = timer.read();
+      if (i > 0) times.push_back(scopes.empty() ? 1e3 * watch.seconds() : scopes[0].milliseconds);
+    }
+    picture.milliseconds = quantile(times, 0.5);
+    return picture;
+  }
+
+  std::optional<glm::dvec3> pointAt(VkExtent2D extent, glm::dvec2 pixel) override {
+    const Camera view = cameraOf(place_, extent);
+    const auto depth = probe().depthAt(view, place_.settings, pixel);
+    return depth ? pickedPoint(view, pixel, *depth) : std::nullopt;
+  }
+
+  std::optional<Trust> trust(VkExtent2D extent) override {
+    return probe().trust(cameraOf(place_, extent), place_.settings);
+  }
+
+  void remakePipelines() override {
+    vkDeviceWaitIdle(device_.handle());
+    graph_.reset();
+    probe_.reset();
+    if (!renderer_) return;
+    Renderer fresh(device_, gpuScene_, options_);
+    *renderer_ = std::move(fresh);
+  }
+
+  const FramePlan* plan() const override { return &plan_; }
+
+  std::vector<MemoryClass> memory() const override {
+    const GpuScene::Memory m = gpuScene_.memory();
+    return {{"photographs", m.textures, true},
+            {"vertices", m.positions, true},
+            {"triangles", m.indices, true},
+            {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0, false}};
+  }
+
+  std::optional<GpuScene::Streamed> streamed() const override { return streamed_; }
+
+ private:
+  RendererOptions needsOf(const RenderSettings& settings, VkExtent2D extent,
+                          VkFormat format = VK_FORMAT_R8G8B8A8_UNORM) const {
+    RendererOptions options = optionsFor(settings, extent, format);
+    options.uncertainties = &*place_.scene;
+    return options;
+  }
+
+  void prepare(const Target& target) {
+    const RendererOptions needed = needsOf(place_.settings, target.extent, target.format);
+    if (renderer_ && serves(options_, needed)) return;
+    vkDeviceWaitIdle(device_.handle());
+    renderer_.reset();  // first, so that there is never memory for two
+    options_ = needed;
+    renderer_.emplace(device_, gpuScene_, options_);
+  }
+
+  GraphOverlay& graph() {
+    if (!graph_) graph_ = graphLines(device_, *place_.scene, VK_FORMAT_R8G8B8A8_UNORM);  // of all our pictures
+    return *graph_;
+  }
+
+  Probe& probe() {
+    if (!probe_) probe_.emplace(device_, *place_.scene, bounds_, gpuScene_);
+    return *probe_;
+  }
+
+  Device& device_;
+  OpenItem& place_;
+  SceneBounds bounds_;
+  GpuScene gpuScene_;
+  RendererOptions options_;
+  std::optional<Renderer> renderer_;
+  std::optional<GraphOverlay> graph_;
+  std::optional<Probe> probe_;
+  FramePlan plan_;
+  GpuScene::Streamed streamed_;
+  Camera lastView_;
+  RenderSettings lastSettings_;
+  std::optional<glm::dvec3> lastExposure_;  // that the eye had adapted to, logarithms
+  double quiet_ = 0;
+  bool restless_ = true;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaceOnDevice> sceneOnDevice(Device& device, OpenItem& place, const GpuSceneOptions& options) {
+  return std::make_unique<SceneOnDevice>(device, place, options);
+}
+
+}  // namespace ibr::app

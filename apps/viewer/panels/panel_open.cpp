@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// A line to type a folder into, which is opened then.
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+
+#include "shared/cli/typed_path.h"
+#include "viewer/panels/panels.h"
+
+namespace ibr::app {
+namespace {
+
+int complete(ImGuiInputTextCallbackData* data) {
+  const std::string typed(data->Buf, std::size_t(data->BufTextLen)), whole = completedFolder(typed);
+  if (data->CursorPos == data->BufTextLen) data->InsertChars(data->CursorPos, whole.c_str() + typed.size());
+  return 0;
+}
+
+}  // namespace
+
+void showOpen(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  if (!viewer.asksForFolder) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("open", {0.5f * size.x, 0.3f * size.y}, {0.5f, 0.5f}, ImGuiWindowFlags_None);
+  ImGui::TextUnformatted("Folder of a scene, a harmonised model, 3D video or photographs:");
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(std::min(36 * ImGui::GetFontSize(), 0.9f * size.x));
+  const bool entered =
+      ImGui::InputText("##folder", &viewer.typedFolder,
+                       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackCompletion, complete);
+  const bool left = ImGui::IsItemDeactivated();
+  ImGui::TextDisabled("tab: complete   ctrl V: paste   enter: open   escape: not now");
+  ImGui::End();
+  if (!entered && !left) return;
+  viewer.asksForFolder = false;
+  ImGui::SetWindowFocus(nullptr);  // keys are the view's again
+  if (const std::filesystem::path folder = typedPath(viewer.typedFolder); entered && !folder.empty())
+    viewer.open(folder);
+}
+
+}  // namespace ibr::app

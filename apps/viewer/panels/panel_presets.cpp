@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings by name, and what each costs and shows where the view stands.
+#include <imgui.h>
+
+#include "shared/cli/settings.h"
+#include "viewer/panels/panels.h"
+
+namespace ibr::app {
+namespace {
+
+const char* descriptionOf(Preset preset) {
+  switch (preset) {
+    case Preset::fast:
+      return "few cells, none far away";
+    case Preset::balanced:
+      return "as it comes";
+    case Preset::accurate:
+      return "more cells, holes filled";
+    case Preset::reference:
+      return "all that there is, at any cost";
+  }
+  return "";
+}
+
+const Effect* effectNamed(const OpenItem& place, std::string_view name) {
+  if (!place.effects) return nullptr;
+  for (const Effect& line : place.effects->lines)
+    if (line.name == name) return &line;
+  return nullptr;
+}
+
+bool isOfThisView(const Effects& effects, const OpenItem& place) {
+  const Intrinsics& k = effects.view.intrinsics;
+  return sameView(effects.view, cameraOf(place, {std::uint32_t(k.width), std::uint32_t(k.height)}));
+}
+
+}  // namespace
+
+void settingsChanged(OpenItem& place) {
+  place.changed = true;
+  if (!place.effects) return;
+  place.effects->lines.back() = {kAsSet, place.settings, std::nullopt};
+  place.effects->lines.back().settings.overlay = Overlay::none;
+}
+
+void showPresets(PanelInput& input) {
+  OpenItem& place = *input.viewer.place();
+  const bool known = place.effects && isOfThisView(*place.effects, place);
+  for (const auto& [name, chosen] : kPresets) {
+    if (ImGui::Button(name, {5.5f * ImGui::GetFontSize(), 0})) {
+      place.settings = presetOver(place.settings, chosen);
+      settingsChanged(place);
+    }
+    ImGui::SameLine();
+    const Effect* effect = known ? effectNamed(place, name) : nullptr;
+    ImGui::TextUnformatted(effect ? text(*effect).c_str() : descriptionOf(chosen));
+  }
+  if (ImGui::Button("measure", {5.5f * ImGui::GetFontSize(), 0})) place.wantsEffects = true;
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip(
+        "Draws this view with each of them and as it is set: what a frame costs on this device,\n"
+        "and how near its picture comes to that of the reference (PSNR).");
+  ImGui::SameLine();
+  if (known)
+    ImGui::Text("as set: %s", text(place.effects->lines.back()).c_str());
+  else
+    ImGui::TextDisabled(place.effects ? "the view has moved since" : "what they cost and show here");
+  ImGui::Separator();
+}
+
+}  // namespace ibr::app

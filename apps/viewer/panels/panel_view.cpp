@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "shared/overlay.h"
+#include "viewer/panels/panels.h"
+
+namespace ibr::app {
+namespace {
+
+const ImVec4 kNear(0.0f, 0.62f, 0.45f, 1), kFar(0.9f, 0.62f, 0.0f, 1);
+
+// How far it may go, and how far it is.
+void showRoaming(OpenItem& place) {
+  ImGui::Checkbox("stay near the photographs (B)", &place.bounded);
+  const double away = distanceTo(place.bounds, place.walk.pose.position);
+  ImGui::SameLine();
+  ImGui::TextColored(away <= place.bounds.radius ? kNear : kFar, "%s",
+                     away <= place.bounds.radius
+                         ? "near them"
+                         : fmt::format("{:.1f} steps beyond", (away - place.bounds.radius) / place.step).c_str());
+  float radius = float(place.bounds.radius / place.step);
+  if (ImGui::SliderFloat("how near", &radius, 0.1f, 20, "%.2f steps",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+    place.bounds.radius = double(radius) * place.step;
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
+}
+
+constexpr std::array kTiers{"all photographs agree", "from one photograph", "from a backdrop", "invented, or nothing"};
+
+// As Overlay::tiers shows it.
+ImVec4 colourOf(std::size_t tier) {
+  const glm::vec3 colour = shader::tierColour(std::uint32_t(tier));
+  return {colour.x, colour.y, colour.z, 1};
+}
+
+// Of what the picture is made, as a bar.
+void showTrust(const std::optional<Trust>& trust) {
+  const float height = 0.8f * ImGui::GetFontSize();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(at, {at.x + width, at.y + height}, IM_COL32(60, 60, 60, 255));
+  float x = at.x;
+  for (std::size_t tier = 0; trust && tier < kTiers.size(); ++tier) {
+    const float share = width * float(trust->tiers[tier]);
+    list.AddRectFilled({x, at.y}, {x + share, at.y + height}, ImGui::ColorConvertFloat4ToU32(colourOf(tier)));
+    x += share;
+  }
+  ImGui::Dummy({width, height});
+  if (ImGui::IsItemHovered()) {
+    ImGui::BeginTooltip();
+    for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
+      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0, kTiers[tier]);
+    ImGui::EndTooltip();
+  }
+  if (!trust) {
+    ImGui::TextWrapped("how far this view may be trusted is told once it stands");
+    return;
+  }
+  const std::string depth =
+      std::isfinite(trust->depthError) ? fmt::format("depth ±{:.1f} %", 100 * trust->depthError) : "depth unknown";
+  const std::string place = !std::isfinite(trust->extrapolation) ? "no cell is near"
+                            : trust->extrapolation > 0
+                                ? fmt::format("{:.2f} cells outside the best", trust->extrapolation)
+                                : "inside the best cell";
+  ImGui::TextWrapped("%s", fmt::format("{:.0f} % of the picture agrees in all photographs\n{}, {}",
+                                       100 * trust->tiers[0], depth, place)
+                               .c_str());
+}
+
+}  // namespace
+
+void showView(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  OpenItem& place = *viewer.place();
+  const glm::dvec3 p = place.walk.pose.position, forward = place.walk.pose.rotation * glm::dvec3(0, 0, -1);
+  ImGui::Text("at      %.3f  %.3f  %.3f", p.x, p.y, p.z);
+  ImGui::Text("looking %.3f  %.3f  %.3f", forward.x, forward.y, forward.z);
+  float degrees = float(glm::degrees(place.walk.fovY));
+  if (ImGui::SliderFloat("field of view", &degrees, 10, 120, "%.0f degrees high", ImGuiSliderFlags_AlwaysClamp)) {
+    place.walk.fovY = glm::radians(double(degrees));
+    place.changed = true;
+  }
+  float speed = float(place.walk.speed / place.step);
+  if (ImGui::SliderFloat("speed", &speed, 0.05f, 50, "%.2f photographs/s",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+    place.walk.speed = double(speed) * place.step;
+  showRoaming(place);
+  if (place.scene) showTrust(place.trust);
+  if (ImGui::Checkbox("frusta and cells (G)", &place.showGraph)) place.changed = true;
+  if (ImGui::Button("screenshot")) viewer.wantsScreenshot = true;
+  ImGui::SameLine();
+  if (ImGui::Button("keys (F1)")) viewer.showHelp = !viewer.showHelp;
+
+  ImGui::Separator();
+  ImGui::Text("%zu photographs", place.viewpoints.size());
+  if (ImGui::BeginChild("photographs")) {
+    ImGuiListClipper clipper;
+    clipper.Begin(int(place.viewpoints.size()));
+    while (clipper.Step())
+      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
+        const Viewpoint& v = place.viewpoints[std::size_t(i)];
+        const double off = glm::distance(v.camera.pose.position, p);
+        ImGui::PushID(i);
+        if (ImGui::Selectable(fmt::format("{}   {:.2f} away", v.name, off).c_str(), off == 0))
+          place.flyToViewpoint(std::size_t(i));
+        ImGui::PopID();
+      }
+  }
+  ImGui::EndChild();
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/panels/panels.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "viewer/control/controls.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr const char *kSidePanel = "ibr", *kTimeLine = "time", *kMessage = "message";
+
+struct Tab {
+  const char* name;
+  void (*show)(PanelInput&);
+};
+constexpr std::array kTabs{
+    Tab{"View", showView},  Tab{"Settings", showSettings}, Tab{"Cells", showCells},   Tab{"Map", showMap},
+    Tab{"Path", showRoute}, Tab{"Times", showTimes},       Tab{"Memory", showMemory}, Tab{"Log", showLog}};
+
+// Places that are open, and what else can be done with the mouse alone.
+void showPlaces(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  if (!ImGui::BeginTabBar("places", ImGuiTabBarFlags_FittingPolicyScroll)) return;
+  std::size_t closed = viewer.places.size();
+  for (std::size_t i = 0; i < viewer.places.size(); ++i) {
+    ImGui::PushID(int(i));
+    bool open = true;
+    const auto flags = viewer.shownTab != i && viewer.current == i ? ImGuiTabItemFlags_SetSelected : 0;
+    if (ImGui::BeginTabItem(viewer.places[i]->name.c_str(), &open, flags)) {
+      if (!(flags & ImGuiTabItemFlags_SetSelected) && viewer.shownTab == viewer.current) viewer.current = i;
+      viewer.shownTab = i;
+      ImGui::EndTabItem();
+    }
+    if (!open) closed = i;
+    ImGui::PopID();
+  }
+  ImGui::EndTabBar();
+  if (closed < viewer.places.size()) {
+    viewer.current = closed;
+    viewer.closeCurrent();
+  }
+}
+
+// All names at any width: as many in a row as there is room for.
+void chooseTab(std::size_t& shown) {
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  const ImGuiStyle& style = ImGui::GetStyle();
+  for (std::size_t i = 0; i < kTabs.size(); ++i) {
+    const float width = ImGui::CalcTextSize(kTabs[i].name).x + 2 * style.FramePadding.x;
+    if (i > 0 && ImGui::GetItemRectMax().x + style.ItemInnerSpacing.x + width <= right)
+      ImGui::SameLine(0, style.ItemInnerSpacing.x);
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(i == shown ? ImGuiCol_TabActive : ImGuiCol_Tab));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, ImGui::GetStyleColorVec4(ImGuiCol_TabHovered));
+    if (ImGui::Button(kTabs[i].name)) shown = i;
+    ImGui::PopStyleColor(2);
+    if (i == shown) ImGui::SetItemDefaultFocus();  // where keys begin
+  }
+  ImGui::Separator();
+}
+
+// Who asks for the keyboard gets it, one panel after the other; a mouse that was used elsewhere has taken it back.
+void giveKeys(Viewer& viewer) {
+  std::vector<const char*> panels;
+  if (viewer.place()) panels.push_back(kSidePanel);
+  if (viewer.place() && viewer.place()->video) panels.push_back(kTimeLine);
+  if (!viewer.jobs.empty()) panels.push_back(kMessage);
+  const bool focused = ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow);
+  if (std::exchange(viewer.wantsPanelKeys, false)) {
+    const bool inside = focused && (viewer.panelHasKeys || ImGui::GetIO().NavVisible);
+    viewer.keyPanel = inside ? viewer.keyPanel + 1 : 0;
+    viewer.panelHasKeys = viewer.keyPanel < panels.size();
+    ImGui::SetWindowFocus(viewer.panelHasKeys ? panels[viewer.keyPanel] : nullptr);
+  }
+  if (ImGui::GetFrameCount() <= 3) ImGui::SetWindowFocus(nullptr);  // ImGui begins with the keyboard in some panel
+  if (!ImGui::IsWindowFocused(ImGuiFocusedFlags_AnyWindow) || ImGui::IsAnyMouseDown()) viewer.panelHasKeys = false;
+}
+
+// It stays as far from the window's right edge as it was, and inside.
+void followWindow(glm::vec2& laidOutFor) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const glm::vec2 before = std::exchange(laidOutFor, {size.x, size.y});
+  if (before == laidOutFor || before.x == 0) return;
+  const ImVec2 panel{std::min(ImGui::GetWindowWidth(), size.x), std::min(ImGui::GetWindowHeight(), size.y)};
+  const ImVec2 at = ImGui::GetWindowPos();
+  ImGui::SetWindowSize(panel);
+  ImGui::SetWindowPos(
+      {std::clamp(at.x + size.x - before.x, 0.0f, size.x - panel.x), std::clamp(at.y, 0.0f, size.y - panel.y)});
+}
+
+void showSidePanel(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float width = std::min(26 * ImGui::GetFontSize(), 0.5f * size.x);
+  const ImGuiCond when =
+      std::exchange(viewer.layOut, false) && viewer.frames > 1 ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+  ImGui::SetNextWindowPos({size.x - width - 10, 10}, when);
+  ImGui::SetNextWindowSize({width, std::min(0.75f * size.y, 44 * ImGui::GetFontSize())}, when);
+  if (ImGui::Begin(kSidePanel, nullptr, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    followWindow(viewer.laidOutFor);
+    const OpenItem* place = viewer.place();
+    showPlaces(input);
+    if (viewer.place() != place) {  // what is known of the frame before is of the other place
+      input.plan = nullptr;
+      input.memory.clear();
+      input.streamed.reset();
+    } else {
+      viewer.shownPanel = std::min(viewer.shownPanel, kTabs.size() - 1);
+      chooseTab(viewer.shownPanel);
+      ImGui::PushID(int(viewer.shownPanel));
+      kTabs[viewer.shownPanel].show(input);
+      ImGui::PopID();
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+void beginCard(const char* name, ImVec2 at, ImVec2 pivot, ImGuiWindowFlags keys) {
+  ImGui::SetNextWindowPos(at, ImGuiCond_Always, pivot);
+  ImGui::Begin(name, nullptr,
+               keys | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoMove);
+}
+
+void showAll(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  giveKeys(viewer);
+  if (viewer.showInterface) {
+    if (viewer.place()) {
+      showSidePanel(input);
+      if (viewer.place() && viewer.place()->video) showTimeLine(input);
+      showLegend(input);
+    } else {
+      showWelcome(input);
+    }
+  }
+  if (viewer.showHelp) showHelp(input);
+  showOpen(input);
+  if (viewer.showInterface || viewer.warned || !viewer.opening.empty() || !viewer.jobs.empty() ||
+      !viewer.shaderFaults.empty())
+    showMessage(input);
+}
+
+void showHelp(PanelInput& input) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("help", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const KeyHelp& line : keyHelp()) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextColored({0.95f, 0.8f, 0.35f, 1}, "%s", line.keys);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(line.what);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::Spacing();
+  ImGui::TextDisabled("%s", input.device.c_str());
+  ImGui::End();
+}
+
+void showWelcome(PanelInput& input) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  beginCard("welcome", {0.5f * size.x, 0.5f * size.y}, {0.5f, 0.5f});
+  ImGui::PushTextWrapPos(std::min(0.9f * size.x, 42 * ImGui::GetFontSize()));
+  ImGui::TextUnformatted("Drop a folder here, or type its name (ctrl O):");
+  for (const char* kind :
+       {"photographs of one place, which overlap well: they are made a scene", "a scene, as ibr build makes it",
+        "a harmonised model or 3D video, as ibr htm build and ibr htm sequence make them"}) {
+    ImGui::Bullet();
+    ImGui::TextUnformatted(kind);
+  }
+  ImGui::Spacing();
+  ImGui::TextDisabled("F1: keys     %s", input.device.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
+void showMessage(PanelInput& input) {
+  Viewer& viewer = input.viewer;
+  const bool still = viewer.messageUntil > std::chrono::steady_clock::now();
+  if (!still) viewer.message.clear();
+  if (!still && viewer.opening.empty() && viewer.jobs.empty() && viewer.shaderFaults.empty()) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const bool aboveTimeLine = viewer.showInterface && viewer.place() && viewer.place()->video;
+  beginCard(kMessage, {0.5f * size.x, size.y - (aboveTimeLine ? 5 * ImGui::GetFontSize() : 16)}, {0.5f, 1},
+            viewer.jobs.empty() ? ImGuiWindowFlags_NoNav : ImGuiWindowFlags_None);
+  for (const Opening& opening : viewer.opening)
+    ImGui::Text("%c  opening %s", "|/-\\"[int(ImGui::GetTime() * 6) & 3], opening.path.string().c_str());
+  for (const auto& [file, text] : viewer.shaderFaults)
+    ImGui::TextColored({0.95f, 0.7f, 0.3f, 1}, "%s\n%s", file.c_str(), text.c_str());
+  for (const auto& job : viewer.jobs) {
+    ImGui::PushID(job.get());
+    if (ImGui::SmallButton("stop")) job->cancel();
+    ImGui::SameLine();
+    ImGui::Text("making %s: %s", job->plan().name.c_str(), job->progress().c_str());
+    ImGui::PopID();
+  }
+  if (still) {
+    ImGui::PushTextWrapPos(0.8f * size.x);
+    ImGui::TextUnformatted(viewer.message.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+}
+
+void showTimeLine(PanelInput& input) {
+  OpenItem& place = *input.viewer.place();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.1f * size.x, size.y - 4.5f * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({0.55f * size.x, 0}, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin(kTimeLine, nullptr,
+                   ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoFocusOnAppearing)) {
+    if (ImGui::Button(place.playing ? "pause" : "play ")) place.playing = !place.playing;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    float seconds = float(place.time);
+    const float whole = float(place.video->duration());
+    if (ImGui::SliderFloat(
+            "##time", &seconds, 0, whole,
+            fmt::format("%.2f s of {:.2f}, frame {}", whole, place.video->frameAt(place.time)).c_str())) {
+      place.time = double(seconds);
+      place.playing = false;
+      place.changed = true;
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace ibr::app

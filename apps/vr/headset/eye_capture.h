@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Both eyes' pictures on their way to the host.
+#pragma once
+
+#include <array>
+
+#include "gpu/transfer/buffer.h"
+#include "ibr/image.h"
+#include "ibr/target.h"
+#include "vr/headset/eye_images.h"
+
+namespace ibr::app {
+
+class EyeCapture {
+ public:
+  explicit EyeCapture(const Device& device) : device_(device) {}
+
+  /// Records copies of what the eyes' images hold now, in use::kColourAttachment before and after.
+  void record(VkCommandBuffer commands, const EyeImages& images);
+
+  /// RGB as displayed, after the device has finished the commands.
+  std::array<Image8, 2> read() const;
+
+ private:
+  const Device& device_;
+  VkExtent2D extent_{0, 0};
+  bool blueFirst_ = false;
+  std::array<Buffer, 2> bytes_;
+};
+
+}  // namespace ibr::app

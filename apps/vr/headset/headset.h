@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// An OpenXR runtime's instance, its headset, and the Vulkan device that it wants to be drawn with
+// (XR_KHR_vulkan_enable2). Where any of it is lost, all of it is made anew. One thread, but for what `device` says.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/device/pipeline_cache.h"
+#include "gpu/device/validation.h"
+#include "ibr/device.h"
+#include "vr/headset/openxr.h"
+
+namespace ibr::app {
+
+struct HeadsetOptions {
+  bool validation = false;                      // Vulkan's
+  std::vector<std::string> instanceExtensions;  // of Vulkan, further ones: those of a window
+  std::vector<std::string> deviceExtensions;    // likewise, where the device has them
+  std::filesystem::path pipelineCache;          // file, as DeviceOptions has it; empty: none
+  LogCallback log;                              // from any thread
+  std::atomic<std::uint64_t>* messages =
+      nullptr;  // counts what validation says, but for what the runtime is to blame for
+};
+
+class Headset {
+ public:
+  /// Throws Error{unsupported} that says what is missing: a runtime, a headset, Vulkan.
+  explicit Headset(const HeadsetOptions& options);
+  Headset(const Headset&) = delete;
+  Headset& operator=(const Headset&) = delete;
+
+  XrInstance instance() const noexcept { return instance_.get(); }
+  XrSystemId system() const noexcept { return system_; }
+  std::string name() const { return name_; }  // runtime and headset, as a person would cite them
+
+  // Extensions that are on.
+  bool takesDepth() const noexcept { return takesDepth_; }  // XR_KHR_composition_layer_depth
+  bool hidesArea() const noexcept { return hidesArea_; }    // XR_KHR_visibility_mask
+
+  /// For a session.
+  XrGraphicsBindingVulkan2KHR binding() const noexcept;
+
+  /// A Device of its own for each thread that uses the device; all lock the queue. The headset must outlive it.
+  Device device(LogCallback log);
+  std::mutex& queueMutex() noexcept { return queueMutex_; }
+  bool hasDeviceExtensions() const noexcept { return hasExtensions_; }  // HeadsetOptions::deviceExtensions, all
+
+ private:
+  LogCallback counting(const HeadsetOptions& options);
+  void makeInstance();
+  void findSystem();
+  void makeVulkanInstance(const HeadsetOptions& options);
+  void makeVulkanDevice(const HeadsetOptions& options);
+
+  std::atomic<bool> blamed_{false};
+  Messages messages_;
+  XrInstanceOwner instance_;
+  XrSystemId system_ = XR_NULL_SYSTEM_ID;
+  std::string name_;
+  bool takesDepth_ = false, hidesArea_ = false, hasExtensions_ = false;
+  struct DestroyInstance {
+    void operator()(VkInstance instance) const noexcept { vkDestroyInstance(instance, nullptr); }
+  };
+  struct DestroyDevice {
+    void operator()(VkDevice device) const noexcept { vkDestroyDevice(device, nullptr); }
+  };
+  std::unique_ptr<VkInstance_T, DestroyInstance> vulkan_;
+  std::optional<Messenger> messenger_;
+  VkPhysicalDevice physicalDevice_ = VK_NULL_HANDLE;
+  std::unique_ptr<VkDevice_T, DestroyDevice> device_;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queueFamily_ = 0;
+  std::optional<PipelineCache> pipelines_;
+  DeviceFeatures optionalFeatures_;  // that are on
+  std::mutex queueMutex_;
+};
+
+}  // namespace ibr::app

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// The menu's map: places of photographs from above, to be gone to.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "vr/menu/menu_sheet.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr float kSide = 516;  // units
+constexpr float kReach = 26;  // units from the pointer to a spot that is meant
+constexpr ImU32 kSpot = IM_COL32(72, 190, 184, 255);
+
+bool finite(glm::dvec2 at) {
+  return std::isfinite(at.x) && std::isfinite(at.y);
+}
+
+struct Map {
+  MenuRect rect;
+  float unit, dot;  // pixels; the radius of a spot
+
+  ImVec2 at(glm::dvec2 place) const {
+    const glm::dvec2 held = glm::clamp(place, 0.0, 1.0);
+    return {rect.low.x + float(held.x) * rect.size().x, rect.low.y + float(held.y) * rect.size().y};
+  }
+};
+
+std::optional<std::size_t> nearest(const Map& map, const std::vector<MenuModel::Spot>& spots, ImVec2 pointer) {
+  std::optional<std::size_t> best;
+  float least = kReach * map.unit * kReach * map.unit;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (!finite(spots[i].at)) continue;
+    const ImVec2 at = map.at(spots[i].at);
+    const float dx = at.x - pointer.x, dy = at.y - pointer.y, distance = dx * dx + dy * dy;
+    if (distance > least || (best && distance == least)) continue;
+    least = distance;
+    best = i;
+  }
+  return best;
+}
+
+void drawSpots(ImDrawList& list, const Map& map, const std::vector<MenuModel::Spot>& spots) {
+  for (const bool here : {false, true})  // what matters lies over the others
+    for (const MenuModel::Spot& spot : spots) {
+      if (spot.here != here || !finite(spot.at)) continue;
+      const ImVec2 at = map.at(spot.at);
+      const float radius = here ? std::max(map.dot, 6 * map.unit) : map.dot;
+      const ImU32 colour = here ? kMenuHere : kSpot;
+      if (radius < 4)  // there are many
+        list.AddRectFilled({at.x - radius, at.y - radius}, {at.x + radius, at.y + radius}, colour);
+      else
+        list.AddCircleFilled(at, radius, colour, 16);
+    }
+}
+
+void drawMeant(MenuSheet& sheet, const Map& map, ImVec2 at, std::size_t number) {
+  sheet.list.AddCircleFilled(at, 15 * map.unit, kMenuText, 32);
+  sheet.list.AddCircleFilled(at, 11 * map.unit, kMenuMarked, 32);
+  const std::string words = fmt::format("{}", number);
+  const float width = ImGui::CalcTextSize(words.c_str()).x + 28 * map.unit, height = 40 * map.unit;
+  const float x = std::clamp(at.x - 0.5f * width, map.rect.low.x, map.rect.high.x - width);
+  float y = at.y - 22 * map.unit - height;
+  if (y < map.rect.low.y) y = at.y + 34 * map.unit;  // below, where the pointer does not hide it
+  const MenuRect box{{x, y}, {x + width, y + height}};
+  sheet.list.AddRectFilled(box.low, box.high, kMenuText, 6 * map.unit);
+  sheet.text(words, box, kMenuBack);
+}
+
+// Drawn over the spots, so that it is found among thousands.
+void drawPerson(ImDrawList& list, const Map& map, glm::dvec2 place, glm::dvec2 facing) {
+  const ImVec2 at = map.at(place);
+  const double length = glm::length(facing);
+  if (!std::isfinite(length) || length <= 0) {
+    list.AddCircleFilled(at, 10 * map.unit, kMenuBack, 24);
+    list.AddCircleFilled(at, 7 * map.unit, kMenuText, 24);
+    return;
+  }
+  const glm::vec2 ahead(facing / length), aside(-ahead.y, ahead.x);
+  const auto corner = [&](float forward, float sideways, float size) {
+    const glm::vec2 by = size * map.unit * (forward * ahead + sideways * aside);
+    return ImVec2{at.x + by.x, at.y + by.y};
+  };
+  for (const bool inner : {false, true}) {
+    const float size = inner ? 17 : 25;
+    const ImU32 colour = inner ? kMenuText : kMenuBack;
+    // Two triangles: an arrow head with a notch.
+    list.AddTriangleFilled(corner(1.25f, 0, size), corner(-0.9f, 0.8f, size), corner(-0.45f, 0, size), colour);
+    list.AddTriangleFilled(corner(1.25f, 0, size), corner(-0.45f, 0, size), corner(-0.9f, -0.8f, size), colour);
+  }
+}
+
+}  // namespace
+
+// A hand shakes as it presses: what was pointed at when the press began is gone to.
+void Menu::showMap(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes) {
+  const float crowd = kSide / std::sqrt(float(std::max<std::size_t>(model.spots.size(), 1)));
+  const Map map{sheet.rect(784 - kSide, 16, kSide, kSide), sheet.unit,
+                sheet.unit * std::clamp(0.18f * crowd, 1.6f, 10.0f)};
+  sheet.list.AddRectFilled(map.rect.low, map.rect.high, kMenuField, 9 * sheet.unit);
+  const bool chosen = sheet.area("map", map.rect);
+  std::optional<std::size_t> meant;
+  if (ImGui::IsItemHovered()) meant = nearest(map, model.spots, ImGui::GetIO().MousePos);
+  if (ImGui::IsItemActivated()) pressedSpot_ = meant;
+  if (pressedSpot_ && *pressedSpot_ >= model.spots.size()) pressedSpot_.reset();  // another scene
+  if (chosen) wishes.teleport = pressedSpot_;
+  if (ImGui::IsItemActive()) meant = pressedSpot_;
+  if (!ImGui::IsItemActive()) pressedSpot_.reset();
+
+  sheet.list.PushClipRect(map.rect.low, map.rect.high, true);
+  if (model.spots.empty()) sheet.text("No photographs", map.rect, kMenuDim);
+  drawSpots(sheet.list, map, model.spots);
+  if (model.you && finite(*model.you)) drawPerson(sheet.list, map, *model.you, model.facing);
+  if (meant && finite(model.spots[*meant].at)) drawMeant(sheet, map, map.at(model.spots[*meant].at), *meant + 1);
+  sheet.list.PopClipRect();
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vr/show/shapes_pass.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <span>
+
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/format.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/draw/rendering.h"
+#include "shaders/shapes_frag.h"
+#include "shaders/shapes_vert.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr float kThrough = 0.3f;  // of what lies behind
+
+struct Constants {
+  glm::mat4 toClip;
+  float strength;
+};
+constexpr std::uint32_t kConstantBytes = sizeof(glm::mat4) + sizeof(float);
+
+// From camera axes: pixels as conventions.h has them, depth from 0 at `near` to 1 at `far` along the viewing axis.
+glm::dmat4 projection(const Intrinsics& k, double near, double far) {
+  const double offset = far / (far - near);
+  glm::dmat4 m(0.0);
+  m[0] = {2 * k.fx / k.width, 0, 0, 0};
+  m[1] = {0, -2 * k.fy / k.height, 0, 0};
+  m[2] = {1 - 2 * k.cx / k.width, 1 - 2 * k.cy / k.height, -offset, -1};
+  m[3] = {0, 0, -near * offset, 0};
+  return m;
+}
+
+glm::dmat4 toCamera(const Pose& pose) {
+  const glm::dquat back = glm::conjugate(pose.rotation);
+  glm::dmat4 m = glm::mat4_cast(back);
+  m[3] = glm::dvec4(-(back * pose.position), 1);
+  return m;
+}
+
+}  // namespace
+
+ShapesPass::ShapesPass(const Device& device, VkFormat colour, VkFormat depth, std::uint32_t slots)
+    : device_(device), slots_(slots) {
+  const VkPushConstantRange constants{VK_SHADER_STAGE_VERTEX_BIT, 0, kConstantBytes};
+  layout_ = makePipelineLayout(device, {}, {&constants, 1});
+  constexpr VkVertexInputBindingDescription kBinding{0, sizeof(ShapeVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+  constexpr std::array<VkVertexInputAttributeDescription, 2> kAttributes{
+      {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(ShapeVertex, position)},
+       {1, 0, VK_FORMAT_R8G8B8A8_UNORM, offsetof(ShapeVertex, colour)}}};
+  const VkBool32 linear = isSrgb(colour);
+  constexpr VkSpecializationMapEntry kLinear{0, 0, sizeof(VkBool32)};
+  GraphicsPipelineInfo info{.name = "shapes",
+                            .vertex = shaders::shapes_vert,
+                            .fragment = shaders::shapes_frag,
+                            .specialisation = {{&kLinear, 1}, std::as_bytes(std::span(&linear, 1))},
+                            .bindings = {&kBinding, 1},
+                            .attributes = kAttributes,
+                            .layout = layout_.get(),
+                            .colourFormats = {&colour, 1},
+                            .depthFormat = depth,
+                            .blending = Blending::over};
+  untested_ = makeGraphicsPipeline(device, info);
+  info.depthTest = info.depthWrite = true;  // runtimes move what is seen by its depth
+  tested_ = makeGraphicsPipeline(device, info);
+}
+
+void ShapesPass::setShapes(std::uint32_t slot, const Shapes& shapes) {
+  Slot& s = slots_[slot];
+  s.inSpace = std::uint32_t(shapes.inSpace.size());
+  s.onView = std::uint32_t(shapes.onView.size());
+  const VkDeviceSize bytes = (shapes.inSpace.size() + shapes.onView.size()) * sizeof(ShapeVertex);
+  if (bytes == 0) return;
+  if (s.vertices.size() < bytes)
+    s.vertices = Buffer(device_, std::max<VkDeviceSize>(2 * bytes, 1 << 16), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                        MemoryKind::upload, "shapes");
+  const auto first = std::as_bytes(std::span(shapes.inSpace)), rest = std::as_bytes(std::span(shapes.onView));
+  std::ranges::copy(first, s.vertices.mapped().begin());
+  std::ranges::copy(rest, s.vertices.mapped().begin() + std::ptrdiff_t(first.size()));
+}
+
+void ShapesPass::record(VkCommandBuffer commands, std::uint32_t slot, const Camera& eye, const Target& target,
+                        double nearPlane, double farPlane) const noexcept {
+  const Slot& s = slots_[slot];
+  if (s.inSpace + s.onView == 0) return;
+  // The picture was drawn just before.
+  transitionTarget(commands, target, use::kColourAttachment, use::kColourAttachment);
+  transitionTarget(commands, *target.depth, use::kDepthAttachment, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_LOAD);
+  const VkRenderingAttachmentInfo depth =
+      depthAttachment(target.depth->view, VK_ATTACHMENT_LOAD_OP_LOAD, VK_ATTACHMENT_STORE_OP_STORE);
+  beginRendering(commands, target.extent, {&colour, 1}, &depth);
+  const VkBuffer buffer = s.vertices.get();
+  const VkDeviceSize start = 0;
+  vkCmdBindVertexBuffers(commands, 0, 1, &buffer, &start);
+  const glm::dmat4 lens = projection(eye.intrinsics, nearPlane, farPlane);
+  const auto draw = [&](const PipelineHandle& pipeline, const glm::dmat4& toClip, float strength, std::uint32_t first,
+                        std::uint32_t count) {
+    if (count == 0) return;
+    const Constants constants{glm::mat4(toClip), strength};
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
+    vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, kConstantBytes, &constants);
+    vkCmdDraw(commands, count, 1, first, 0);
+  };
+  const glm::dmat4 space = lens * toCamera(eye.pose);
+  draw(untested_, space, kThrough, 0, s.inSpace);
+  draw(tested_, space, 1, 0, s.inSpace);
+  draw(untested_, lens, 1, s.inSpace, s.onView);
+  vkCmdEndRendering(commands);
+}
+
+}  // namespace ibr::app

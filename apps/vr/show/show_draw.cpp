@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// Show: what the eyes see, the runtime is handed, and a window mirrors.
+#include "base/stopwatch.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/rendering.h"
+#include "ibr/error.h"
+#include "vr/show/show.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr double kFreeRay = 10;                                             // m, of a ray that meets nothing
+constexpr VkClearColorValue kDusk{.float32 = {0.012f, 0.014f, 0.018f, 1}};  // linear; behind the grid
+
+}  // namespace
+
+void Show::draw(double seconds) {
+  if (maskChanged_ && place_) {
+    maskChanged_ = false;
+    ring_.wait();
+    place_->setHiddenArea({session_.hiddenArea(0), session_.hiddenArea(1)});
+    excuse(governor_);
+  }
+  std::vector<Camera> inSpace, cameras;
+  for (const EyeView& eye : eyes_.eyes) {
+    const VkExtent2D extent = images_.extent();
+    const Intrinsics lens = intrinsicsOf(eye.fov, int(extent.width), int(extent.height));
+    inSpace.push_back({lens, eye.pose});
+    cameras.push_back({lens, inWorld(walked_.tracking, eye.pose)});
+  }
+  const Stopwatch waiting;
+  const std::array<Target, 2> targets = images_.acquire(walked_.tracking.unitsPerMetre);
+  const FrameRing::Frame frame = ring_.begin();
+  notWorkMs_ += 1e3 * waiting.seconds();
+  slot_ = frame.slot;
+  conclude(slot_, ring_.deviceMs());
+  const bool captures = place_ && wantsPicture();
+  if (place_)
+    recordPlace(frame, seconds, cameras, targets, captures);
+  else
+    recordEmptiness(frame.commands, targets);
+  if (captures) capture_.record(frame.commands, images_);
+  shapesPass_.setShapes(frame.slot, shapes());
+  for (std::size_t eye = 0; eye < 2; ++eye)
+    shapesPass_.record(frame.commands, frame.slot, inSpace[eye], targets[eye], EyeImages::kNearPlane,
+                       EyeImages::kFarPlane);
+  menuShown_ = menu_.isOpen();
+  if (menuShown_) menu_.record(frame);
+  images_.finish(frame.commands);
+  ring_.submit(frame);
+  if (window_) showInMirror();
+  images_.release();
+  if (menuShown_) menu_.release();
+  if (captures) writePictures(cameras);
+}
+
+void Show::recordPlace(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+                       std::span<const Target> targets, bool toBeKept) {
+  drawnWith_ = governor_.levels[visit_.governed ? governor_.level : 0];
+  drawnWith_.leaveOutHidden = !toBeKept;
+  giveFloor(drawnWith_);
+  const GpuScope scope(frame.commands, frame.timer, "frame");
+  place_->record(frame, seconds, eyes, drawnWith_, targets);
+}
+
+void Show::recordEmptiness(VkCommandBuffer commands, std::span<const Target> targets) const {
+  for (const Target& target : targets) {
+    transitionTarget(commands, target, target.before, use::kColourAttachment);
+    transitionTarget(commands, *target.depth, target.depth->before, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+    const VkRenderingAttachmentInfo colour = colourAttachment(target.view, VK_ATTACHMENT_LOAD_OP_CLEAR, kDusk);
+    const VkRenderingAttachmentInfo depth =
+        depthAttachment(target.depth->view, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE);
+    beginRendering(commands, target.extent, {&colour, 1}, &depth);
+    vkCmdEndRendering(commands);
+  }
+}
+
+// At the real floor's height, in half metres.
+void Show::giveFloor(RenderSettings& settings) {
+  floor_.reset();
+  const PlaceFiles& files = place_->files();
+  if (!options().floor || !files.level) return;
+  constexpr double kSpacing = 0.5;  // m
+  const double below = glm::dot(files.walk.up, files.middle - walked_.tracking.origin);
+  floor_ = FloorWish{below, kSpacing * walked_.tracking.unitsPerMetre};
+  settings.floor = floorBelow(files.middle, files.walk.up, *floor_);
+}
+
+void Show::addHands(Shapes& shapes) const {
+  for (const Hand hand : {kLeft, kRight}) {
+    if (!input_[hand].active) continue;
+    addHand(shapes, input_[hand].aim);
+    if (const auto metres = menu_.rayLength(hand)) addRay(shapes, head_, input_[hand].aim, *metres, true);
+  }
+  if (!place_) return;
+  const WalkPlace& place = place_->files().walk;
+  const double height = visit_.walking.photographHeightMetres;
+  std::optional<std::size_t> pointed;
+  for (const Hand hand : {kLeft, kRight}) {
+    const HandOutput& does = walked_.hands[hand];
+    if (!does.aiming) continue;
+    if (does.pointed) pointed = does.pointed;
+    const Pose& aim = input_[hand].aim;
+    const double metres =
+        does.pointed ? rayLength(place.spots[*does.pointed], walked_.tracking, aim, height) : kFreeRay;
+    addRay(shapes, head_, aim, metres, does.pointed.has_value());
+  }
+  if (walked_.showMarks) addMarks(shapes, place.spots, walked_.tracking, head_, height, pointed);
+}
+
+Shapes Show::shapes() const {
+  Shapes shapes;
+  addHands(shapes);
+  if (place_) {
+    addVignette(shapes, walked_.vignette);
+    addFade(shapes, walked_.fade);
+  } else {
+    addFloorGrid(shapes, head_);
+    addProgressRing(shapes, head_, std::nullopt, waitedSeconds_);
+  }
+  return shapes;
+}
+
+Show::Layers Show::layers() {
+  for (std::uint32_t eye = 0; eye < 2; ++eye) {
+    projectionViews_[eye] = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
+                             .next = nullptr,
+                             .pose = xrPoseOf(eyes_.eyes[eye].pose),
+                             .fov = eyes_.eyes[eye].fov,
+                             .subImage = images_.colour(eye)};
+    if (const auto depth = images_.depth(eye)) {
+      depthInfos_[eye] = {.type = XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR,
+                          .next = nullptr,
+                          .subImage = *depth,
+                          .minDepth = 0,
+                          .maxDepth = 1,
+                          .nearZ = float(EyeImages::kNearPlane),
+                          .farZ = float(EyeImages::kFarPlane)};
+      projectionViews_[eye].next = &depthInfos_[eye];
+    }
+  }
+  projection_ = {.type = XR_TYPE_COMPOSITION_LAYER_PROJECTION,
+                 .next = nullptr,
+                 .layerFlags = 0,
+                 .space = session_.space(),
+                 .viewCount = 2,
+                 .views = projectionViews_.data()};
+  Layers all{reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection_)};
+  if (menuShown_) all.push_back(menu_.layer(session_.space()));
+  return all;
+}
+
+void Show::makeMirror() try {
+  if (!visit_.window || !headset_.hasDeviceExtensions()) return;
+  window_.emplace(device_, *visit_.window, SwapchainOptions{.pace = Pace::whenever});
+  mirror_.emplace(device_, images_.format(), images_.extent());
+} catch (const Error& e) {
+  window_.reset();
+  say(LogLevel::warning, fmt::format("there is no mirror: {}", e.what()));
+}
+
+// Whatever becomes of the window, the headset goes on; a device that is lost is seen there.
+void Show::showInMirror() try {
+  const std::optional<Swapchain::Frame> frame = window_->begin();
+  if (!frame) return;
+  const EyeImages::Picture left = images_.picture(0);
+  mirror_->record(frame->commands, {.image = left.image, .layer = left.layer, .rect = {{0, 0}, images_.extent()}},
+                  *frame);
+  window_->end(*frame);
+} catch (const Error& e) {
+  window_.reset();
+  say(LogLevel::warning, fmt::format("the mirror has ended: {}", e.what()));
+}
+
+}  // namespace ibr::app

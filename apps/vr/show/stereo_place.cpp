@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vr/show/stereo_place.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+#include "ibr/asset.h"
+#include "shared/camera/roaming.h"
+#include "shared/camera/up.h"
+
+namespace ibr::app {
+namespace {
+
+RoamingBounds boundsOf(const Scene& scene) {
+  RoamingBounds bounds;
+  const std::vector<Pose> poses = posesOf(scene);
+  for (const Pose& pose : poses) bounds.places.push_back(pose.position);
+  bounds.neighbours = cellNeighbours(scene);
+  bounds.radius = neighbourDistance(poses).value_or(1);
+  return bounds;
+}
+
+template <class T>
+void addNew(std::vector<T>& all, const std::vector<T>& more) {
+  for (const T& one : more)
+    if (std::ranges::find(all, one) == all.end()) all.push_back(one);
+}
+
+// What serves each of these.
+RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeFormat& eyes) {
+  RendererOptions all = ibr::optionsFor(levels.front(), eyes.extent, eyes.format);
+  double largestScale = levels.front().renderScale;
+  for (const RenderSettings& level : levels.subspan(1)) {
+    const RendererOptions one = ibr::optionsFor(level, eyes.extent, eyes.format);
+    addNew(all.orders, one.orders);
+    addNew(all.blends, one.blends);
+    addNew(all.overlays, one.overlays);
+    all.switchMixing |= one.switchMixing;
+    all.fill |= one.fill;
+    all.floor |= one.floor;
+    all.dissolve |= one.dissolve;
+    all.colour = std::max(all.colour, one.colour);
+    largestScale = std::max(largestScale, level.renderScale);
+  }
+  const bool scaled = std::ranges::any_of(levels, [](const RenderSettings& s) { return s.renderScale != 1; });
+  all.largestScale = scaled ? largestScale : 0;
+  all.views = 2;
+  all.depth = true;
+  return all;
+}
+
+}  // namespace
+
+PlaceFiles readPlace(const std::filesystem::path& path, double unitsPerMetre) {
+  check(assetKind(path).value_or(AssetKind::scene) == AssetKind::scene, ErrorCode::unsupported,
+        "{}: harmonised models are for flat screens (ibr-viewer); ibr-vr shows scenes", path.string());
+  PlaceFiles files{.path = path, .scene = loadScene(path)};
+  check(!files.scene.nodes.empty(), ErrorCode::invalidInput, "{}: the scene has no photographs", path.string());
+  files.bounds = sceneBounds(files.scene);
+  const std::vector<Pose> poses = posesOf(files.scene);
+  const std::optional<glm::dvec3> up = upOf(poses);
+  files.middle = centreOf(poses);
+  files.level = up.has_value();
+  const glm::dvec3 upwards = up.value_or(glm::dvec3(0, 1, 0));
+  files.walk = walkPlace(spotsOf(poses, upwards), upwards, unitsPerMetre, boundsOf(files.scene));
+  return files;
+}
+
+StereoPlace::StereoPlace(Device device, std::shared_ptr<const PlaceFiles> files, std::span<const RenderSettings> levels,
+                         bool floor, const EyeFormat& eyes, const GpuSceneOptions& options)
+    : device_(std::move(device)),
+      files_(std::move(files)),
+      gpuScene_(device_, files_->scene, options),
+      rendererOptions_(optionsFor(levels, eyes)) {
+  rendererOptions_.floor |= floor;
+  setHiddenArea(eyes.hiddenArea);
+}
+
+void StereoPlace::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area) {
+  rendererOptions_.hiddenArea = area;
+  renderer_.reset();  // first, so that there is never memory for two
+  renderer_.emplace(device_, gpuScene_, rendererOptions_);
+}
+
+void StereoPlace::record(const FrameRing::Frame& frame, double seconds, const std::vector<Camera>& eyes,
+                         const RenderSettings& settings, std::span<const Target> targets) {
+  plan_ = planFrame(files_->scene, files_->bounds, {eyes, settings, seconds}, plan_.next);
+  gpuScene_.stream(frame.commands, plan_, frame.number, frame.completed);
+  renderer_->record(frame.commands, plan_, targets, frame.timer);
+}
+
+}  // namespace ibr::app

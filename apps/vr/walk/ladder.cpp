@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "shared/cli/settings.h"
+#include "vr/walk/governor.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::array<std::uint32_t, 6> kCounts{32, 16, 12, 8, 6, 4};
+constexpr std::uint32_t kFewest = 2;
+
+void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) {
+  if (!(level == levels.back())) levels.push_back(level);
+}
+
+// At most `count`, where more than that would be drawn.
+RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t backdrops) {
+  if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
+  if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
+  return settings;
+}
+
+}  // namespace
+
+std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t backdrops) {
+  if (asked.lowestTier < kTierBackdrop || !asked.soloCells.empty()) backdrops = 0;  // none is drawn
+  std::vector<RenderSettings> levels{asked};
+  const auto scaledBy = [&](double share) {
+    RenderSettings level = levels.back();
+    level.renderScale = share * asked.renderScale;
+    addLevel(levels, level);
+  };
+  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, backdrops));
+  scaledBy(0.85);
+  scaledBy(0.7);
+  RenderSettings dithered = levels.back();
+  dithered.blend = BlendMode::dither;
+  addLevel(levels, dithered);
+  addLevel(levels, fewer(levels.back(), kFewest, cells, backdrops));
+  scaledBy(0.5);
+  RenderSettings unmapped = levels.back();
+  unmapped.colourMapping = ColourMapping::off;
+  addLevel(levels, unmapped);
+  return levels;
+}
+
+std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
+  std::string text;
+  const auto add = [&](bool differs, const char* what, const auto& before, const auto& after) {
+    if (differs) text += fmt::format("{}{} {} → {}", text.empty() ? "" : ", ", what, before, after);
+  };
+  add(from.maxCells != to.maxCells, "cells", from.maxCells, to.maxCells);
+  add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
+  add(from.renderScale != to.renderScale, "resolution", fmt::format("{:.3g}", from.renderScale),
+      fmt::format("{:.3g}", to.renderScale));
+  add(from.blend != to.blend, "blending", wordOf(from.blend), wordOf(to.blend));
+  add(from.colourMapping != to.colourMapping, "colour mapping", wordOf(from.colourMapping), wordOf(to.colourMapping));
+  return text;
+}
+
+}  // namespace ibr::app

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/align/aligned_cache.h"
+
+#include "author/jobs/kept_file.h"
+#include "author/jobs/kept_values.h"
+#include "base/hash.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::uint64_t kVersion = 3;     // raise it when cells come out differently
+constexpr const char* kKind = "aligned";  // of kept file
+
+}  // namespace
+
+std::uint64_t alignmentKey(const CellToAlign& input, const AlignmentOptions& options) {
+  Hash hash;
+  hash.add(kVersion);
+  hash.add(int(options.method));
+  hash.add(int(options.definition));
+  for (const double v : {double(options.instances), options.radiusPx, options.decay, options.threshold,
+                         double(options.mostCycles), options.varianceFloor})
+    hash.add(v);
+  hash.add(options.levels);
+  hash.add(options.escape);
+  hash.add(options.epipolarWeight);
+  hash.add(options.rigidity);
+  hash.add(options.flipEdges);
+  hash.add(options.flipGain);
+  hash.add(options.insertPoints);
+  for (const double v : {options.insertBelow, options.insertGain, options.insertShare}) hash.add(v);
+  hash.add(options.prune);
+  hash.add(options.scaledInstances);
+  hash.add(options.seed);
+  for (const MatchView& view : input.views) {
+    const Intrinsics& k = view.camera.intrinsics;
+    const Pose& pose = view.camera.pose;
+    hash.add(int(k.model));
+    if (!view.mask.empty()) hash.add(std::as_bytes(std::span(view.mask.values)));
+    for (const double v : {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
+                           pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
+      hash.add(v);
+    hash.add(std::as_bytes(std::span(view.picture.values)));
+  }
+  KeptWriter mesh;
+  mesh.mesh(input.cell.mesh);
+  hash.add(mesh.take());
+  const CellQuality& quality = input.cell.quality;
+  for (const double v : {quality.coverage, quality.ecc, quality.residualPx, quality.score}) hash.add(v);
+  return hash.value();
+}
+
+void storeAligned(const std::filesystem::path& folder, std::uint64_t key, const AlignedCell& cell) {
+  KeptWriter out;
+  out.mesh(cell.mesh);
+  out.value(cell.quality);
+  const OptimisedCell& facts = cell.facts;
+  for (const std::size_t v :
+       {facts.points, facts.judged, facts.fixed, facts.moved, facts.flipped, facts.inserted, facts.takenBack})
+    out.value(std::uint64_t(v));
+  const AlignmentSummary& summary = facts.summary;
+  for (const double v : {summary.initialEcc, summary.finalEcc, summary.initialEccPaper, summary.finalEccPaper})
+    out.value(v);
+  out.list(summary.starEccBefore);
+  out.list(summary.starEccAfter);
+  out.list(summary.cycles);
+  out.value(std::uint64_t(summary.bestCycle));
+  out.value(std::uint64_t(summary.flips));
+  out.value(std::uint64_t(summary.insertions));
+  out.value(summary.seconds);
+  storeKept(keptFile(folder, key, kKind), out.take());
+}
+
+std::optional<AlignedCell> fetchAligned(const std::filesystem::path& folder, std::uint64_t key) {
+  auto bytes = fetchKept(keptFile(folder, key, kKind));
+  if (!bytes) return std::nullopt;
+  KeptReader in(std::move(*bytes));
+  AlignedCell cell;
+  cell.mesh = in.mesh();
+  cell.quality = in.value<CellQuality>();
+  OptimisedCell& facts = cell.facts;
+  for (std::size_t* const v :
+       {&facts.points, &facts.judged, &facts.fixed, &facts.moved, &facts.flipped, &facts.inserted, &facts.takenBack})
+    *v = in.value<std::uint64_t>();
+  AlignmentSummary& summary = facts.summary;
+  for (double* const v : {&summary.initialEcc, &summary.finalEcc, &summary.initialEccPaper, &summary.finalEccPaper})
+    *v = in.value<double>();
+  summary.starEccBefore = in.list<float>();
+  summary.starEccAfter = in.list<float>();
+  summary.cycles = in.list<AlignmentCycle>();
+  summary.bestCycle = in.value<std::uint64_t>();
+  summary.flips = in.value<std::uint64_t>();
+  summary.insertions = in.value<std::uint64_t>();
+  summary.seconds = in.value<double>();
+  return cell;
+}
+
+}  // namespace ibr

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// A photograph's backdrop (tier 2; ARCHITECTURE §5, "Tiers"): the whole picture as a mesh of one member.
+//
+//   1. depth completed (complete_depth.h)
+//   2. vertices by quadtree, where parallax is not linear; more along the picture's border and in its corners, so that
+//      the Delaunay triangles fill it exactly
+//   3. triangles stretched across an edge of known depth become tier 1 of the mesh: they close it, and are drawn after
+//      the others of all backdrops, since another photograph may see what is behind. Where depth is completed this
+//      would make a patchwork of photographs
+#pragma once
+
+#include "author/mesh/mesh.h"
+#include "ibr/camera.h"
+#include "ibr/image.h"
+
+namespace ibr {
+
+struct BackdropOptions {
+  double step = 0;  // world units that a virtual camera is likely to be away from the photograph; >= 0
+  int spacing = 8;  // least between vertices, in px of the depth's picture; a power of two, 2 to 32
+};
+
+/// Longest side of the pictures that depths of backdrops are kept in, px.
+inline constexpr int kBackdropSide = 512;
+
+/// The size of that picture for a photograph, at most its own.
+glm::ivec2 backdropSize(const Intrinsics& stored);
+
+/// `stored`: the photograph's camera at its stored size, a pinhole. `inverseDepth`: along its axis, of backdropSize,
+/// kUnknownDepth where unknown; `colours`: RGB, the same size. Matches are in px of the stored photograph.
+/// quality.coverage is the share of the picture whose depth was known.
+CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
+                       const BackdropOptions& options);
+
+}  // namespace ibr

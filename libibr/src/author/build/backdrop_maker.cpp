@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/backdrop_maker.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "author/backdrop/backdrop.h"
+#include "author/build/cell_cache.h"
+#include "author/pixels/resize.h"
+#include "author/geometry/posed_model.h"
+#include "author/backdrop/scene_depth.h"
+#include "author/geometry/simplex.h"
+#include "base/stopwatch.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::uint64_t kVersion = 2;  // of their making: raise it when they come out differently
+
+// How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
+double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {
+  std::vector<double> its;
+  for (const std::size_t c : cells) its.push_back(sizes[c]);
+  if (its.empty()) its = sizes;
+  return its.empty() ? 0.0 : median(its);
+}
+
+std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t photograph) {
+  std::vector<glm::dvec3> points;
+  for (const std::uint32_t t : input.tracksOf[photograph]) points.push_back(input.model.tracks[t].position);
+  return points;
+}
+
+}  // namespace
+
+BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
+                             const std::vector<std::uint64_t>& keys)
+    : input_(input), options_(options), scene_(scene), keys_(keys), cellsWith_(scene.nodes.size()) {
+  for (std::size_t c = 0; c < scene.cells.size(); ++c) {
+    std::vector<glm::dvec3> corners;
+    for (const std::uint32_t i : scene.cells[c].members) {
+      cellsWith_[i].push_back(c);
+      corners.push_back(scene.nodes[i].camera.pose.position);
+    }
+    sizes_.push_back(longestEdge(corners));
+  }
+}
+
+MadeCell BackdropMaker::make(std::uint32_t photograph) const {
+  const Stopwatch watch;
+  const Photograph& photo = input_.photographs[photograph];
+  const std::vector<std::size_t>& cells = cellsWith_[photograph];
+  const double step = stepOf(cells, sizes_);
+  const std::vector<glm::dvec3> points = cells.empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
+
+  Hash hash;
+  hash.add(kVersion);
+  hash.add(options_.backdropSpacing);
+  hash.add(step);
+  addPhotograph(hash, input_, photograph);
+  for (const std::size_t c : cells) hash.add(keys_[c]);
+  addPoints(hash, points);
+  const std::uint64_t key = hash.value();
+  if (auto kept = fetchCell(keptFolder(options_), key)) return {std::move(*kept), watch.seconds(), 0, true, key};
+
+  Camera camera = photo.camera;
+  const glm::ivec2 size = backdropSize(camera.intrinsics);
+  camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
+  // What the cells show of it; where it is in no cell, what its tracks say.
+  const ImageF depth = cells.empty() ? depthOfPoints(camera, points) : depthInScene(scene_, photograph, size);
+  const Image8 colours = shrunk(loadPhotograph(photo), size.x, size.y);
+  MadeCell made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, 0, false, key};
+  storeCell(keptFolder(options_), key, made.cell);
+  made.seconds = watch.seconds();
+  return made;
+}
+
+double BackdropMaker::bytes() const {
+  double most = 0;
+  for (std::size_t i = 0; i < cellsWith_.size(); ++i) {
+    const glm::ivec2 size = backdropSize(input_.photographs[i].camera.intrinsics);
+    const double pixel = kBackdropBytesPerPixel + double(sizeof(float)) * double(cellsWith_[i].size());
+    most = std::max(most, pixel * size.x * size.y + bytesToLoad(input_.photographs[i]));
+  }
+  return most;
+}
+
+}  // namespace ibr

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// One photograph's backdrop after another, from what the cells found in it (tier 2).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "author/build/build_input.h"
+#include "author/build/cell_maker.h"
+#include "ibr/scene.h"
+
+namespace ibr {
+
+inline constexpr double kBackdropBytesPerPixel = 100;  // of memory that completing a depth and its mesh take
+
+class BackdropMaker {
+ public:
+  /// `keys`: what the scene's cells were kept under. All outlive the object and do not change.
+  BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
+                const std::vector<std::uint64_t>& keys);
+
+  /// The photograph is no panorama. May be called from several threads. Throws Error.
+  MadeCell make(std::uint32_t photograph) const;
+
+  /// The memory that making one takes at most.
+  double bytes() const;
+
+ private:
+  const BuildInput& input_;
+  const BuildOptions& options_;
+  const Scene& scene_;
+  const std::vector<std::uint64_t>& keys_;
+  std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
+  std::vector<double> sizes_;                        // of each cell: its longest edge
+};
+
+}  // namespace ibr

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/build_cost.h"
+
+#include <algorithm>
+
+namespace ibr {
+namespace {
+
+// Processor time of the machine that they were measured on, ns a pixel, and s.
+constexpr double kRead = 10, kEncode = 18;
+constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
+constexpr double kFeatures = 450, kPair = 0.005;
+constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
+constexpr double kBackdrop = 130;
+constexpr double kObservation = 150e-6;                        // of a point, while poses are refined
+constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
+constexpr double kJudged = 500, kJudge = 1300;
+
+double perPixel(TextureFormat format) {
+  return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
+}
+
+double cellSeconds(const CellWork& cell) {
+  const double m = double(cell.members);
+  return 1e-9 * (kRead * cell.readPixels +
+                 cell.pixels * (kOnce + kMember * m + cell.levels * (kLevel + kLevelMember * m)));
+}
+
+}  // namespace
+
+std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads, TextureFormat texture,
+                              const MachineSpeed& speed) {
+  std::vector<StageCost> stages;
+  // `longest`: a job that cannot be shared out.
+  const auto add = [&](const char* stage, double seconds, int side, double longest) {
+    if (seconds <= 0) return;
+    stages.push_back({stage, seconds * speed.processor, speed.passing * std::max(seconds / side, longest)});
+  };
+  const double photographs = double(std::max<std::size_t>(work.photographs, 1));
+  const double storing = 1e-9 * (kRead * work.readPixels + perPixel(texture) * work.storedPixels +
+                                 kEncode * work.encodedPixels);
+  add("storing photographs", storing, threads.storing, storing / photographs);
+  add("finding features", 1e-9 * kFeatures * work.featurePixels, threads.features, 0);
+  add("matching features", kPair * double(work.pairs), threads.features, 0);
+  const double judging = 1e-9 * (kJudged * work.judgedPixels + kJudge * work.judgePixels);
+  add("finding what moved", judging, threads.movers, judging / photographs);
+  double cells = 0, longest = 0;
+  for (const CellWork& cell : work.cells) {
+    cells += cellSeconds(cell);
+    longest = std::max(longest, cellSeconds(cell));
+  }
+  add("matching cells", cells, threads.cells, longest);
+  add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, cells are matched once more
+  if (work.exposures) {
+    const double pairs = memberPairs(work);
+    add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
+        kSolvingShare * kExposurePair * pairs);
+  }
+  const double backdrops = double(work.backdrops) > 0
+                               ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels)
+                               : 0;
+  add("completing backdrops", backdrops, threads.backdrops, backdrops / std::max(double(work.backdrops), 1.0));
+  return stages;
+}
+
+double bytesToMake(const CellWork& cell) {
+  constexpr double kFrame = 70, kOfMember = 12, kOfLevel = 0.75;  // a pixel of the frame; costs are of half its size
+  constexpr double kOther = 300;
+  constexpr double kInFull = 8;  // a pixel beyond the matched ones: RGB once, grey of four
+  const double pixel = cell.swept ? kFrame + kOfMember * double(cell.members) + kOfLevel * cell.levels : kOther;
+  return cell.loadingBytes + pixel * cell.pixels + kInFull * cell.beyondPixels;
+}
+
+double memberPairs(const BuildWork& work) {
+  double pairs = 0;
+  for (const CellWork& cell : work.cells) pairs += double(cell.members * (cell.members - 1)) / 2;
+  return pairs;
+}
+
+double bytesToCompareExposures(const BuildWork& work) {
+  // Of points: where they are looked at, what is seen, what is solved. There are fewer of each where there are many.
+  constexpr double kBytesPerPair = 1e5, kMostCells = 300;
+  constexpr double kBytesPerPhotograph = 2.2e6, kMostPhotographs = 72;  // with overlaps and tracks
+  if (!work.exposures) return 0;
+  const double fewer = std::clamp(kMostCells / std::max(double(work.cells.size()), 1.0), 0.2, 1.0);
+  return kBytesPerPair * memberPairs(work) * fewer +
+         kBytesPerPhotograph * std::min(double(work.photographs), kMostPhotographs);
+}
+
+double bytesKept(const CellWork& cell) {
+  constexpr double kBytesPerPixel = 2;
+  return kBytesPerPixel * cell.pixels;
+}
+
+}  // namespace ibr

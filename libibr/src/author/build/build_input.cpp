@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/build_input.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "author/graph/cells.h"
+#include "author/photographs/masks.h"
+#include "author/photographs/picture_folder.h"
+#include "author/geometry/posed_model.h"
+#include "author/poses/read_poses.h"
+#include "base/check.h"
+#include "base/file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+// What can stand in a scene: names of files need not be UTF-8.
+std::string utf8Of(const std::string& name) {
+  using Json = nlohmann::json;
+  return Json::parse(Json(name).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+// Pictures that a scene keeps below the photographs are its own.
+std::vector<UnusedPhotograph> unknownTo(const PosedModel& model, const BuildOptions& options) {
+  std::set<std::string> known;
+  for (const PosedImage& image : model.images) known.insert(image.name);
+  known.insert(options.exclude.begin(), options.exclude.end());
+  const fs::path scene = fs::weakly_canonical(options.output) / "images";
+  const fs::path photographs = fs::weakly_canonical(options.photographs);
+  std::vector<UnusedPhotograph> unknown;
+  const auto add = [&](const std::string& name, const std::string& reason) {
+    const fs::path inScene = (photographs / name).lexically_relative(scene);
+    if (!known.contains(name) && (inScene.empty() || *inScene.begin() == ".."))
+      unknown.push_back({utf8Of(name), reason});
+  };
+  const PictureFolder folder = lookInto(options.photographs);
+  for (const std::string& name : folder.pictures) add(name, std::string(kNotRegistered));
+  for (const auto& [name, reason] : folder.unread) add(name, reason);
+  std::ranges::sort(unknown, {}, &UnusedPhotograph::name);
+  return unknown;
+}
+
+// "IMG_1.jpg (there it is IMG_1.JPG), …": names of the model that the folder has not.
+std::string missingText(const std::vector<std::string>& missing, const fs::path& folder) {
+  constexpr std::size_t kNamed = 5;
+  const auto lowered = [](std::string text) {
+    for (char& c : text)
+      if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return text;
+  };
+  std::map<std::string, std::string> there;
+  for (const std::string& name : lookInto(folder).pictures) there.emplace(lowered(name), name);
+  std::vector<std::string> named;
+  for (std::size_t i = 0; i < std::min(missing.size(), kNamed); ++i) {
+    const auto found = there.find(lowered(missing[i]));
+    named.push_back(missing[i] + (found == there.end() ? "" : " (there it is " + found->second + ")"));
+  }
+  return fmt::format("{}{}", fmt::join(named, ", "),
+                     missing.size() > kNamed ? fmt::format(" and {} more", missing.size() - kNamed) : "");
+}
+
+// All faults are told at once.
+void findPhotographs(BuildInput& input, const BuildOptions& options) {
+  std::vector<std::string> missing, faults;
+  for (const PosedImage& image : input.model.images) {
+    std::error_code ignored;
+    if (!fs::exists(pathInside(options.photographs, image.name), ignored)) {
+      missing.push_back(image.name);
+      continue;
+    }
+    try {
+      input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize, options.orientation));
+    } catch (const Error& error) {
+      if (!isOfFile(error)) throw;
+      faults.push_back(error.what());
+    }
+  }
+  check(missing.empty(), ErrorCode::io,
+        "{}: {} of the model's {} photographs are missing there: {}. Is it the folder that the model's names start "
+        "from? --exclude leaves photographs out",
+        options.photographs.string(), missing.size(), input.model.images.size(),
+        missing.empty() ? "" : missingText(missing, options.photographs));
+  checkReadable(std::move(faults));
+}
+
+// Where a photograph's own shape does not say how it is turned, the others' do, if they agree.
+void settleOrientations(const PosedModel& model, const BuildOptions& options, std::vector<Photograph>& photographs,
+                        const LogCallback& log) {
+  if (options.orientation != Orientation::automatic) return;
+  std::vector<std::size_t> unsure;
+  bool turned = false;
+  for (std::size_t i = 0; i < photographs.size(); ++i) {
+    turned = turned || photographs[i].applyOrientation;
+    if (photographs[i].turnUnsure) unsure.push_back(i);
+  }
+  if (unsure.empty()) return;
+  if (turned)
+    for (const std::size_t i : unsure)
+      photographs[i] = findPhotograph(options.photographs, model.images[i], options.maxSize, Orientation::exif);
+  if (log)
+    log(LogLevel::warning,
+        fmt::format("{} of {} photographs are turned by EXIF, and their cameras fit both ways ({}{}): they are taken {}. "
+                    "If pictures come out turned: --orientation {}",
+                    unsure.size(), photographs.size(), photographs[unsure[0]].name, unsure.size() > 1 ? ", …" : "",
+                    turned ? "turned upright, as others of the set are" : "as they are stored, which is COLMAP's way",
+                    turned ? "stored" : "exif"));
+}
+
+// "a.tif" is stored as "a.tif.png".
+void checkStoredNames(const std::vector<Photograph>& photographs) {
+  std::map<fs::path, std::string> stored;
+  for (const Photograph& photo : photographs) {
+    const auto [other, fresh] = stored.emplace(photo.imageFile, photo.name);
+    check(fresh, ErrorCode::invalidInput, "{} and {}: a scene would store both as {}", other->second, photo.name,
+          photo.imageFile.string());
+  }
+}
+
+// A mask of no photograph is worth a word: it may be misnamed. Those of photographs that are left out are not.
+void findMasks(std::vector<Photograph>& photographs, const BuildOptions& options, const LogCallback& log) {
+  if (options.masks.empty()) return;
+  std::set<fs::path> expected;
+  const auto expect = [&](const std::string& name) {
+    for (const fs::path& file : {fs::path(name + ".png"), fs::path(name).replace_extension(".png")})
+      expected.insert(file.lexically_normal());
+  };
+  for (const std::string& name : lookInto(options.photographs).pictures) expect(name);
+  for (Photograph& photo : photographs) {
+    expect(photo.name);
+    const std::optional<fs::path> mask = maskFileOf(options.masks, photo.name);
+    if (!mask) continue;
+    checkMaskSize(photo, *mask);
+    photo.mask = *mask;
+  }
+  if (!log) return;
+  for (const std::string& name : lookInto(options.masks).pictures)
+    if (!expected.contains(fs::path(name).lexically_normal()))
+      log(LogLevel::warning,
+          fmt::format("{}: a mask, but there is no photograph of that name", (options.masks / name).string()));
+  const auto without = std::ranges::count_if(photographs, [](const Photograph& photo) { return photo.mask.empty(); });
+  if (without > 0)
+    log(LogLevel::warning, fmt::format("{}: no masks of {} of the {} photographs, among them {}: they are used whole",
+                                       options.masks.string(), without, photographs.size(),
+                                       std::ranges::find_if(photographs, &fs::path::empty, &Photograph::mask)->name));
+}
+
+// Photographs that are to be left out may be so already. Names of none are faults.
+std::vector<std::string> toLeaveOut(const PosedModel& model, const BuildOptions& options) {
+  std::vector<std::string> names = options.exclude;
+  std::erase_if(names, [&](const std::string& name) {
+    return std::ranges::find(model.images, name, &PosedImage::name) == model.images.end() &&
+           fs::is_regular_file(options.photographs / name);
+  });
+  return names;
+}
+
+}  // namespace
+
+void checkOptions(const BuildOptions& options) {
+  check(options.threads >= 0, ErrorCode::invalidInput, "{} threads are not 0 or more", options.threads);
+  check(options.memory >= 0 && std::isfinite(options.memory), ErrorCode::invalidInput,
+        "memory of {} bytes is negative or not finite", options.memory);
+  check(options.maxSize >= 0, ErrorCode::invalidInput, "largest size {} px is not 0 or more", options.maxSize);
+  const int spacing = options.backdropSpacing;
+  check(spacing >= 2 && spacing <= 32 && std::has_single_bit(unsigned(spacing)), ErrorCode::invalidInput,
+        "spacing {} px of backdrops' vertices is not 2, 4, 8, 16 or 32", spacing);
+  check(!options.output.empty(), ErrorCode::invalidInput, "no folder is named for the scene");
+  checkPlanOptions(options);
+  check(options.masks.empty() || fs::is_directory(options.masks), ErrorCode::io, "{}: is not a folder of masks",
+        options.masks.string());
+  check(fs::is_directory(options.photographs), ErrorCode::io, "{}: is not a folder", options.photographs.string());
+}
+
+BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
+  checkOptions(options);
+  BuildInput input;
+  input.model = readPoses(options, log);
+  input.unknown = unknownTo(input.model, options);
+  removeImages(input.model, toLeaveOut(input.model, options));
+  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
+        posesFile(options).string());
+  findPhotographs(input, options);
+  settleOrientations(input.model, options, input.photographs, log);
+  checkStoredNames(input.photographs);
+  findMasks(input.photographs, options, log);
+  input.tracksOf = tracksOfImages(input.model);
+  input.refine = reprojectionError(input.model) > kExactPx;
+  return input;
+}
+
+bool isPanorama(const Photograph& photograph) {
+  return photograph.camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+fs::path keptFolder(const BuildOptions& options) {
+  return options.finishedCells.empty() ? options.output / ".build" : options.finishedCells;
+}
+
+void addPhotograph(Hash& hash, const BuildInput& input, std::uint32_t i) {
+  const Photograph& photograph = input.photographs[i];
+  hash.add(input.hashes[i]);
+  const Intrinsics& k = photograph.camera.intrinsics;
+  const Pose& pose = photograph.camera.pose;
+  hash.add(photograph.applyOrientation);
+  for (const double v : {double(k.width), double(k.height), k.fx, k.fy, k.cx, k.cy, pose.position.x, pose.position.y,
+                         pose.position.z, pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z})
+    hash.add(v);
+}
+
+void addPoints(Hash& hash, const std::vector<glm::dvec3>& points) {
+  for (const glm::dvec3& p : points)
+    for (int c = 0; c < 3; ++c) hash.add(p[c]);
+}
+
+}  // namespace ibr

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/build_prediction.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "author/backdrop/backdrop.h"
+#include "author/build/backdrop_maker.h"
+#include "author/build/build_cost.h"
+#include "author/build/cell_maker.h"
+#include "author/build/find_movers.h"
+#include "author/build/machine_speed.h"
+#include "author/build/own_tracks.h"
+#include "base/parallel.h"
+#include "author/photographs/picture_folder.h"
+#include "author/geometry/posed_model.h"
+#include "base/check.h"
+#include "base/usage.h"
+#include "io/image_file.h"
+
+namespace ibr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
+constexpr std::size_t kTypicalMembers = 3;
+constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
+constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
+constexpr double kSeenInCells = 700;                         // observations of dense tracks, for each photograph
+constexpr double kProgram = 60e6;                  // of memory, whatever the work
+
+double pixelsOf(const Intrinsics& k) {
+  return double(k.width) * k.height;
+}
+
+double textureBytesOf(TextureFormat format, const Intrinsics& k) {
+  double bytes = 0;
+  for (int w = k.width, h = k.height;; w = std::max(w / 2, 1), h = std::max(h / 2, 1)) {
+    bytes += double(textureBytes(format, w, h));
+    if (w == 1 && h == 1) return bytes;
+  }
+}
+
+double freeBelow(fs::path folder) {
+  std::error_code error;
+  folder = fs::absolute(folder, error);
+  while (!fs::exists(folder, error) && folder.has_relative_path()) folder = folder.parent_path();
+  const fs::space_info space = fs::space(folder, error);
+  return error ? 0 : double(space.available);
+}
+
+double bytesBelow(const fs::path& folder) {
+  std::error_code error;
+  double bytes = 0;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_regular_file(ignored) && !at->is_symlink(ignored)) bytes += double(at->file_size(ignored));
+  }
+  return bytes;
+}
+
+// By what an earlier build of this scene left, which is taken over or replaced.
+double heldAlready(const BuildOptions& options) {
+  double bytes = 0;
+  for (const char* part : {"cells", "images", "textures", "masks", ".build"}) bytes += bytesBelow(options.output / part);
+  return bytes;
+}
+
+class Predictor {
+ public:
+  Predictor(const BuildInput& input, const BuildOptions& options, const CellPlan* plan)
+      : input_(input), options_(options), plan_(plan), maker_(input, options) {}
+
+  BuildPrediction predict() {
+    countPhotographs();
+    countTracks();
+    if (options_.removeMovers) countMovers();
+    countCells();
+    countRefinement();
+    work_.exposures = options_.matchExposures || options_.fitVignetting;
+    work_.photographs = made_.photographs = input_.photographs.size();
+    made_.memoryAllowed = memoryBudget(options_.memory);
+    made_.diskFree = freeBelow(options_.output) + heldAlready(options_);
+    shareOut();
+    return std::move(made_);
+  }
+
+ private:
+  void countPhotographs() {
+    for (const Photograph& photo : input_.photographs) {
+      const Intrinsics& k = photo.camera.intrinsics;
+      work_.readPixels += photo.sourcePixels;
+      work_.storedPixels += pixelsOf(k);
+      std::error_code ignored;
+      const double file = double(fs::file_size(photo.source, ignored));
+      made_.disk += textureBytesOf(options_.texture, k);
+      if (!photo.copied) work_.encodedPixels += pixelsOf(k);
+      made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
+      storing_ = std::max(storing_, bytesToStore(photo));
+      loading_ = std::max(loading_, bytesToLoad(photo));
+      if (!options_.backdrops || isPanorama(photo)) continue;
+      const glm::ivec2 size = backdropSize(k);
+      ++work_.backdrops;
+      work_.backdropPixels += double(size.x) * size.y;
+      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
+    }
+    made_.megapixels = work_.storedPixels / 1e6;
+    made_.backdrops = work_.backdrops;
+  }
+
+  void countTracks() {
+    if (options_.tracks == TrackSource::model) return;
+    const auto pairs = pairsForTracks(input_.model, options_.tracks);
+    work_.pairs = pairs.size();
+    std::set<std::uint32_t> images;
+    for (const auto& [a, b] : pairs) images.insert({a, b});
+    for (const std::uint32_t i : images) {
+      const Photograph& photo = input_.photographs[i];
+      const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+      work_.featurePixels += pixels;
+      features_ = std::max(features_, bytesToLoad(photo) + kFeatureBytesPerPixel * std::min(pixels, kFeaturePixels));
+    }
+    made_.disk += kFeatureBytes * double(images.size());
+  }
+
+  // Without tracks nobody knows yet who judges whom: as many as may.
+  void countMovers() {
+    const auto judges = judgesOf(input_);
+    for (std::size_t i = 0; i < judges.size(); ++i) {
+      const Photograph& photo = input_.photographs[i];
+      if (isPanorama(photo)) continue;
+      const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+      work_.judgedPixels += pixels;
+      work_.judgePixels += pixels * double(input_.model.tracks.empty() ? kMostJudges : judges[i].size());
+      judging_ = std::max(judging_, bytesToJudge(photo));
+      kept_ += kJudgementBytesPerPixel * pixels;
+    }
+  }
+
+  // Exact poses are not refined.
+  void countRefinement() {
+    if (!options_.refinePoses || !input_.refine) return;
+    work_.refinedBy = kSeenInCells * double(input_.photographs.size());
+    for (const Track& track : input_.model.tracks) work_.refinedBy += double(track.observations.size());
+  }
+
+  void countCells() {
+    made_.cellsKnown = plan_ != nullptr;
+    if (plan_) {
+      for (const CellMembers& members : plan_->cells) work_.cells.push_back(maker_.work(members));
+    } else {
+      for (const Photograph& photo : input_.photographs) {
+        const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+        work_.cells.push_back({pixels, kTypicalLevels, kTypicalMembers, double(kTypicalMembers) * photo.sourcePixels,
+                               bytesToLoad(photo), pixelsOf(photo.camera.intrinsics) - pixels});
+      }
+    }
+    made_.cells = work_.cells.size();
+    for (const CellWork& cell : work_.cells) {
+      kept_ += bytesKept(cell);
+      matching_ = std::max(matching_, bytesToMake(cell));
+    }
+    for (const Photograph& photo : input_.photographs) {
+      const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+      if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
+    }
+    made_.disk += 2 * kept_;  // in the scene, and in what is kept until it is whole
+  }
+
+  void shareOut() {
+    const double held = kProgram + residentMemory(), allowed = made_.memoryAllowed;
+    double most = 0;
+    const auto threads = [&](double bytesEach, double kept, std::size_t jobs) {
+      const int side = std::min(threadsFor(options_.threads, bytesEach, std::max(allowed - held - kept, 1.0)),
+                                int(std::max<std::size_t>(jobs, 1)));
+      most = std::max(most, held + kept + side * bytesEach);
+      return side;
+    };
+    const std::size_t photographs = input_.photographs.size();
+    StageThreads side;
+    side.storing = threads(storing_, 0, photographs);
+    side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
+    if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
+    side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
+    if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
+    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
+    made_.threads = side.cells;
+    made_.memory = most;
+    const MachineSpeed speed = measureSpeed(side.cells);
+    for (const StageCost& cost : costOf(work_, side, options_.texture, speed)) {
+      made_.stages.push_back({cost.stage, cost.seconds, cost.processorSeconds});
+      made_.seconds += cost.seconds;
+      made_.processorSeconds += cost.processorSeconds;
+    }
+  }
+
+  const BuildInput& input_;
+  const BuildOptions& options_;
+  const CellPlan* const plan_;
+  const CellMaker maker_;
+  BuildWork work_;
+  // Bytes of one job, at most.
+  double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
+  double kept_ = 0;  // bytes of all meshes
+  BuildPrediction made_;
+};
+
+}  // namespace
+
+BuildPrediction predictBuild(const BuildInput& input, const BuildOptions& options, const CellPlan* plan) {
+  return Predictor(input, options, plan).predict();
+}
+
+BuildPrediction predictWithoutPoses(const BuildOptions& options) {
+  BuildInput input;
+  std::vector<std::string> faults;
+  for (const std::string& name : lookInto(options.photographs).pictures) {
+    if (std::ranges::find(options.exclude, name) != options.exclude.end()) continue;
+    ImageFileInfo info;
+    try {
+      info = probeImage(options.photographs / name);
+    } catch (const Error& error) {
+      if (!isOfFile(error)) throw;
+      faults.push_back(error.what());
+      continue;
+    }
+    const bool turned = info.orientation >= 5;
+    PosedImage image{name,
+                     {pinholeFromFov(turned ? info.height : info.width, turned ? info.width : info.height, 1), {}}};
+    input.photographs.push_back(findPhotograph(options.photographs, image, options.maxSize));
+    input.model.images.push_back(std::move(image));
+  }
+  checkReadable(std::move(faults));
+  checkEnoughForPoses(options.photographs, input.photographs.size());
+  BuildPrediction prediction = predictBuild(input, options, nullptr);
+  prediction.posesKnown = false;
+  return prediction;
+}
+
+void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, const LogCallback& log) {
+  const auto text = [](double bytes) {
+    return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+  };
+  check(prediction.diskFree <= 0 || prediction.disk <= 1.5 * prediction.diskFree, ErrorCode::io,
+        "{}: the scene takes about {} of the disk, which has {} for it. --texture bc7 takes a quarter for textures, "
+        "--max-size makes photographs smaller",
+        options.output.string(), text(prediction.disk), text(prediction.diskFree));
+  if (!log) return;
+  if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
+    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, there are {}",
+                                       text(prediction.disk), text(prediction.diskFree)));
+  if (prediction.memory > prediction.memoryAllowed)
+    log(LogLevel::warning,
+        fmt::format("up to {} of memory are needed even one job at a time, more than the {} that are allowed: "
+                    "--max-size makes photographs smaller, --memory allows more",
+                    text(prediction.memory), text(prediction.memoryAllowed)));
+}
+
+}  // namespace ibr

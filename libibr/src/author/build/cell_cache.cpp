@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/cell_cache.h"
+
+#include "author/jobs/kept_file.h"
+#include "author/jobs/kept_values.h"
+
+namespace ibr {
+namespace {
+
+constexpr const char* kKind = "cell";  // of kept file
+
+}  // namespace
+
+void storeCell(const std::filesystem::path& folder, std::uint64_t key, const CellMesh& cell) {
+  KeptWriter out;
+  out.mesh(cell.mesh);
+  out.value(cell.quality.coverage);
+  out.value(cell.quality.ecc);
+  out.value(cell.quality.residualPx);
+  storeKept(keptFile(folder, key, kKind), out.take());
+}
+
+std::optional<CellMesh> fetchCell(const std::filesystem::path& folder, std::uint64_t key) {
+  auto bytes = fetchKept(keptFile(folder, key, kKind));
+  if (!bytes) return std::nullopt;
+  KeptReader in(std::move(*bytes));
+  CellMesh cell;
+  cell.mesh = in.mesh();
+  cell.quality.coverage = in.value<double>();
+  cell.quality.ecc = in.value<double>();
+  cell.quality.residualPx = in.value<double>();
+  return cell;
+}
+
+}  // namespace ibr

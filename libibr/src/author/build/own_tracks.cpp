@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/own_tracks.h"
+
+#include <fmt/format.h>
+
+#include "author/build/cell_maker.h"
+#include "author/geometry/posed_model.h"
+
+namespace ibr {
+namespace {
+
+// As kExactPx, but of features that are found to about 0.13 px themselves.
+constexpr double kExactByFeaturesPx = 0.2;
+
+}  // namespace
+
+const char* trackSourceName(TrackSource source) {
+  return source == TrackSource::automatic ? "auto" : source == TrackSource::model ? "model" : "own";
+}
+
+std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource source) {
+  if (source == TrackSource::model) return {};
+  if (source == TrackSource::own) return pairsWithoutTracks({model.images, {}}, {});
+  PairOptions wanted;
+  // Of a model with tracks, those that are far from each other and share few have been tried.
+  if (!model.tracks.empty()) wanted.neighbours = 5;
+  return pairsWithoutTracks(model, wanted);
+}
+
+void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
+  if (options.tracks == TrackSource::model) return;
+  if (options.tracks == TrackSource::own) {
+    input.model.tracks.clear();
+    input.tracksOf = tracksOfImages(input.model);
+  }
+  const std::vector<ImagePair> pairs = pairsForTracks(input.model, options.tracks);
+  if (pairs.empty()) return;
+  OwnTracksInput own;
+  own.keep = keptFolder(options);
+  own.view = [&](std::size_t i) { return viewOf(input.photographs[i]); };
+  for (std::uint32_t i = 0; i < input.photographs.size(); ++i) {
+    own.cameras.push_back(matchedCamera(input.photographs[i].camera));
+    own.bytesOfView = std::max(own.bytesOfView, bytesToLoad(input.photographs[i]));
+    Hash hash;
+    addPhotograph(hash, input, i);
+    own.hashes.push_back(hash.value());
+  }
+  const bool none = input.model.tracks.empty();
+  PosedModel found{input.model.images, {}};
+  found.tracks = makeTracks(
+      input.model, pairs, own, [&](std::string_view stage, std::size_t count, double bytesEach,
+                                   const std::function<void(std::size_t)>& job) {
+        jobs.runAll(stage, count, bytesEach, job);
+      });
+  const double error = reprojectionError(found);
+  if (log)
+    log(LogLevel::info, fmt::format("{} pairs of photographs have few tracks or none: found {} of our own, {:.2f} px off "
+                                    "their points (median)",
+                                    pairs.size(), found.tracks.size(), error));
+  input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),
+                            std::make_move_iterator(found.tracks.end()));
+  input.tracksOf = tracksOfImages(input.model);
+  if (none) input.refine = error > kExactByFeaturesPx;
+}
+
+}  // namespace ibr

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/eval/depth_consistency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <utility>
+
+#include "author/backdrop/complete_depth.h"
+#include "base/parallel.h"
+#include "scene/reprojection.h"
+
+namespace ibr {
+namespace {
+
+// GEOMETRY, "Depth of a photograph", 1 and 4.
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kLeastParallax = 1.5 * kDegree;  // of a witness
+constexpr double kBestParallax = 6 * kDegree, kNarrow = 3 * kDegree, kWide = 12 * kDegree;  // Gaussian, σ either side
+constexpr double kShareTolerance = 0.004;  // of ρ
+constexpr int kGrid = 16;                  // places a side by which sources are chosen
+
+double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+// A point of one map in another one's picture.
+struct Sighting {
+  glm::ivec2 pixel;
+  double inverseDepth;  // of the point
+  double parallax;      // angle at the point between the two centres, radians
+  double coarser;       // distance from the asker over distance from the witness
+};
+bool sight(const Reprojection& towards, const Intrinsics& witness, glm::dvec2 from, double inverseDepth,
+           Sighting& sighting) {
+  const glm::dvec3 ray = towards.ray(from), direction = ray + inverseDepth * towards.shift();
+  if (!(direction.z < 0)) return false;
+  const glm::dvec2 pixel = towards.pixel(direction);
+  if (!towards.inside(pixel)) return false;
+  sighting = {{std::min(int(pixel.x), witness.width - 1), std::min(int(pixel.y), witness.height - 1)},
+              inverseDepth / -direction.z,
+              angleBetween(ray, direction),
+              glm::length(ray) / glm::length(direction)};
+  return true;
+}
+
+double usefulness(double parallax) {
+  if (parallax < kLeastParallax) return 0;
+  const double off = (parallax - kBestParallax) / (parallax < kBestParallax ? kNarrow : kWide);
+  return std::exp(-0.5 * off * off);
+}
+
+class Consistency {
+ public:
+  Consistency(std::span<const ConsistentDepth> depths, std::size_t sources) : depths_(depths), most_(sources) {
+    for (const ConsistentDepth& depth : depths) {
+      const ImageF& map = depth.map.inverseDepth;
+      evidence_.push_back({Image8(map.width, map.height, 1, 0), Image8(map.width, map.height, 1, 0)});
+    }
+    sources_.resize(depths.size());
+  }
+
+  void chooseSources(std::size_t asker) {
+    const ImageF& map = depths_[asker].map.inverseDepth;
+    std::vector<std::pair<double, std::size_t>> scores;
+    for (std::size_t j = 0; j < depths_.size(); ++j) {
+      if (j == asker) continue;
+      const Camera& witness = depths_[j].map.camera;
+      const Reprojection towards(depths_[asker].map.camera, witness);
+      double score = 0;
+      for (int row = 0; row < kGrid; ++row)
+        for (int column = 0; column < kGrid; ++column) {
+          const int x = (2 * column + 1) * map.width / (2 * kGrid), y = (2 * row + 1) * map.height / (2 * kGrid);
+          const double w = double(map.pixel(x, y)[0]);
+          Sighting seen;
+          if (w < 0 || !sight(towards, witness.intrinsics, {x + 0.5, y + 0.5}, w, seen)) continue;
+          score += usefulness(seen.parallax) * std::min(seen.coarser, 1 / seen.coarser);
+        }
+      if (score > 0) scores.emplace_back(-score, j);
+    }
+    std::sort(scores.begin(), scores.end());
+    for (std::size_t k = 0; k < std::min(scores.size(), most_); ++k) sources_[asker].push_back(scores[k].second);
+  }
+
+  void confirm(std::size_t asker) {
+    ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
+      const double theirs = double(depths_[witness].map.inverseDepth.pixel(seen.pixel.x, seen.pixel.y)[0]);
+      if (theirs >= 0 && std::abs(theirs - seen.inverseDepth) < tolerance)
+        increment(evidence_[asker].confirmations, x, y);
+    });
+  }
+
+  // After all have been confirmed.
+  void contradict(std::size_t asker) {
+    ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
+      if (evidence_[witness].confirmations.pixel(seen.pixel.x, seen.pixel.y)[0] == 0) return;
+      const ImageF& map = depths_[witness].map.inverseDepth;
+      for (int v = std::max(0, seen.pixel.y - 1); v <= std::min(map.height - 1, seen.pixel.y + 1); ++v)
+        for (int u = std::max(0, seen.pixel.x - 1); u <= std::min(map.width - 1, seen.pixel.x + 1); ++u) {
+          const double theirs = double(map.pixel(u, v)[0]);
+          if (theirs < 0 || seen.inverseDepth - theirs <= 2 * tolerance) return;
+        }
+      increment(evidence_[asker].contradictions, x, y);
+    });
+  }
+
+  std::vector<DepthEvidence> take() && { return std::move(evidence_); }
+
+ private:
+  static void increment(Image8& counts, int x, int y) {
+    std::uint8_t& count = counts.pixel(x, y)[0];
+    count = std::uint8_t(std::min(count + 1, 255));
+  }
+
+  template <class Visit>
+  void ask(std::size_t asker, const Visit& visit) const {
+    const Camera& own = depths_[asker].map.camera;
+    const ImageF& map = depths_[asker].map.inverseDepth;
+    for (const std::size_t j : sources_[asker]) {
+      const Camera& witness = depths_[j].map.camera;
+      const Reprojection towards(own, witness);
+      const double baseline = glm::distance(own.pose.position, witness.pose.position);
+      const double residual = depths_[j].residualPx / (witness.intrinsics.fx * std::max(baseline, 1e-12));
+      for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+          const double w = double(map.pixel(x, y)[0]);
+          Sighting seen;
+          if (w < 0 || !sight(towards, witness.intrinsics, {x + 0.5, y + 0.5}, w, seen)) continue;
+          if (seen.parallax < kLeastParallax) continue;
+          visit(x, y, j, seen, depths_[j].step + kShareTolerance * seen.inverseDepth + residual);
+        }
+    }
+  }
+
+  std::span<const ConsistentDepth> depths_;
+  std::size_t most_;
+  std::vector<std::vector<std::size_t>> sources_;  // by photograph
+  std::vector<DepthEvidence> evidence_;
+};
+
+}  // namespace
+
+std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources, int threads) {
+  Consistency run(depths, sources);
+  const auto each = [&](auto&& job) {
+    runJobs(depths.size(), threads, job, [](std::size_t) { return true; });
+  };
+  each([&](std::size_t i) { run.chooseSources(i); });
+  each([&](std::size_t i) { run.confirm(i); });
+  each([&](std::size_t i) { run.contradict(i); });
+  return std::move(run).take();
+}
+
+}  // namespace ibr

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/exposure/exposure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <map>
+#include <numeric>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "author/geometry/posed_model.h"
+#include "author/exposure/vignetting.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kAbsoluteRounds = 30, kTukeyRounds = 30;
+constexpr double kSettled = 1e-7;          // no log changes more: no further round
+constexpr double kTukey = 4.685;           // standard deviations beyond which nothing counts
+constexpr double kLeastDeviation = 0.005;  // of residuals, in units of what matches say of themselves
+constexpr double kExifDeviation = 0.2;     // of log exposure: thirds of a stop, and shutters' tolerance
+constexpr double kLensDeviation = 1;       // of a lens's coefficients around 0, where matches say nothing of them
+constexpr double kRidge = 1e-10;           // of the mean weight, on what nothing holds
+constexpr std::size_t kEnough = 8;         // matches, to join two photographs
+constexpr double kAlike = 0.01;            // gains that are all as near to 1 change no level of 8 bits by more than one
+
+// Σ factor·x[at] = difference, of the first `terms`.
+struct Relation {
+  std::array<std::uint32_t, 6> at{};
+  std::array<float, 6> factor{};
+  std::uint32_t terms = 0;
+  glm::dvec3 difference{0.0};
+  double deviation = 1;
+
+  void add(std::size_t unknown, double f) {
+    at[terms] = std::uint32_t(unknown);
+    factor[terms++] = float(f);
+  }
+};
+
+// Which of `count` are joined by relations: the least index of each one's part.
+class Parts {
+ public:
+  explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t(0)); }
+  std::size_t of(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t a, std::size_t b) {
+    a = of(a), b = of(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+using Logs = std::vector<glm::dvec3>;
+
+double residualOf(const Relation& r, const Logs& x) {
+  glm::dvec3 sum = -r.difference;
+  for (std::size_t k = 0; k < r.terms; ++k) sum += double(r.factor[k]) * x[r.at[k]];
+  return glm::length(sum) / (std::sqrt(3.0) * r.deviation);
+}
+
+// The minimum of Σ weight·|Σ factor·x − difference|²; the three channels share one matrix.
+Logs solved(const std::vector<Relation>& relations, const std::vector<double>& weights, std::size_t count) {
+  const int n = int(count);
+  cv::Mat matrix = cv::Mat::zeros(n, n, CV_64F), side = cv::Mat::zeros(n, 3, CV_64F), x;
+  double total = 0;
+  for (std::size_t k = 0; k < relations.size(); ++k) {
+    const Relation& r = relations[k];
+    total += weights[k];
+    for (std::size_t i = 0; i < r.terms; ++i) {
+      const double w = weights[k] * double(r.factor[i]);
+      for (std::size_t j = 0; j < r.terms; ++j)
+        matrix.at<double>(int(r.at[i]), int(r.at[j])) += w * double(r.factor[j]);
+      for (int c = 0; c < 3; ++c) side.at<double>(int(r.at[i]), c) += w * r.difference[c];
+    }
+  }
+  for (int i = 0; i < n; ++i) matrix.at<double>(i, i) += kRidge * total / double(n) + 1e-300;
+  Logs logs(count, glm::dvec3(0.0));
+  if (!cv::solve(matrix, side, x, cv::DECOMP_CHOLESKY)) return logs;
+  for (int i = 0; i < n; ++i) logs[std::size_t(i)] = {x.at<double>(i, 0), x.at<double>(i, 1), x.at<double>(i, 2)};
+  return logs;
+}
+
+double largestChange(const Logs& a, const Logs& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, glm::length(a[i] - b[i]));
+  return most;
+}
+
+Logs robustlySolved(const std::vector<Relation>& relations, std::size_t count) {
+  std::vector<double> weights, residuals(relations.size());
+  for (const Relation& r : relations) weights.push_back(1 / (r.deviation * r.deviation));
+  const std::vector<double> plain = weights;
+  Logs x = solved(relations, weights, count);
+  const auto rounds = [&](int most, auto&& weightOf) {
+    for (int round = 0; round < most; ++round) {
+      for (std::size_t k = 0; k < relations.size(); ++k) residuals[k] = residualOf(relations[k], x);
+      std::vector<double> sorted = residuals;
+      const double scale = std::max(kLeastDeviation, 1.4826 * median(sorted));
+      for (std::size_t k = 0; k < relations.size(); ++k) weights[k] = plain[k] * weightOf(residuals[k], scale);
+      const Logs before = std::exchange(x, solved(relations, weights, count));
+      if (largestChange(before, x) < kSettled) return;
+    }
+  };
+  rounds(kAbsoluteRounds, [](double r, double) { return 1 / std::max(r, 0.1 * kLeastDeviation); });
+  rounds(kTukeyRounds, [](double r, double scale) {
+    const double share = r / (kTukey * scale);
+    return share < 1 ? (1 - share * share) * (1 - share * share) : 0.0;
+  });
+  return x;
+}
+
+// Which matches count: pairs of photographs that few points join say too little, and what is not finite nothing.
+std::vector<std::uint32_t> matchesThatCount(const std::vector<ExposureMatch>& matches) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> count;
+  const auto pairOf = [](const ExposureMatch& m) { return std::minmax(m.first, m.second); };
+  const auto isUsable = [](const ExposureMatch& m) {
+    return std::isfinite(glm::dot(m.ratio, m.ratio)) && std::isfinite(m.deviation) && m.deviation > 0;
+  };
+  for (const ExposureMatch& m : matches) count[pairOf(m)] += isUsable(m);
+  std::vector<std::uint32_t> counting;
+  for (std::uint32_t k = 0; k < matches.size(); ++k)
+    if (isUsable(matches[k]) && count[pairOf(matches[k])] >= kEnough) counting.push_back(k);
+  return counting;
+}
+
+Relation relationOf(const ExposureMatch& m) {
+  Relation r;
+  r.add(m.second, 1);
+  r.add(m.first, -1);
+  r.difference = m.ratio;
+  r.deviation = m.deviation;
+  return r;
+}
+
+std::string cameraOf(const CaptureFacts& exif) {
+  return exif.maker + '\n' + exif.model;
+}
+
+// What EXIF says of photographs that nothing else is known of: log gain + log exposure is the same for all of a camera.
+void completeByExif(const std::vector<CaptureFacts>& exif, const std::vector<bool>& known, Logs& x) {
+  std::map<std::string, std::pair<glm::dvec3, double>> sums;
+  for (std::size_t n = 0; n < exif.size(); ++n)
+    if (const auto exposure = relativeExposure(exif[n]); exposure && known[n]) {
+      auto& [sum, count] = sums[cameraOf(exif[n])];
+      sum += x[n] + std::log(*exposure);
+      ++count;
+    }
+  for (std::size_t n = 0; n < exif.size(); ++n) {
+    const auto exposure = relativeExposure(exif[n]);
+    const auto camera = sums.find(cameraOf(exif[n]));
+    if (!known[n] && exposure && camera != sums.end())
+      x[n] = camera->second.first / camera->second.second - std::log(*exposure);
+  }
+}
+
+}  // namespace
+
+std::string describedExposures(const Exposures& exposures) {
+  if (exposures.measured == 0) return "exposures were not measured: no matches tell them";
+  double least = 1, most = 1, tint = 1;
+  for (const glm::dvec3& g : exposures.gains) {
+    least = std::min(least, g.g);
+    most = std::max(most, g.g);
+    tint = std::max({tint, g.r / g.g, g.g / g.r, g.b / g.g, g.g / g.b});
+  }
+  std::string text =
+      fmt::format("exposures of {} of {} photographs measured: ", exposures.measured, exposures.gains.size());
+  text += exposures.alike ? fmt::format("all are alike within {:.0f} %, so that none is kept", 100 * kAlike)
+                          : fmt::format("{:.2f} stops apart, white balance within {:.1f} %", std::log2(most / least),
+                                        100 * (tint - 1));
+  if (exposures.parts > 1)
+    text += fmt::format("; in {} parts that nothing joins, each as bright as it is in the mean", exposures.parts);
+  return text;
+}
+
+std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
+                                        const std::vector<std::uint32_t>& lenses) {
+  std::vector<glm::dvec2> vignetting(photographs, glm::dvec2(0.0));
+  const std::vector<std::uint32_t> counting = matchesThatCount(matches);
+  if (counting.empty()) return vignetting;
+  const auto unknown = [&](std::uint32_t photograph, std::size_t k) {
+    return photographs + 2 * lenses[photograph] + k;
+  };
+  const std::size_t lensCount = std::size_t(*std::ranges::max_element(lenses)) + 1;
+  std::vector<Relation> relations;
+  for (const std::uint32_t k : counting) {
+    const ExposureMatch& m = matches[k];
+    Relation r = relationOf(m);
+    const double a = m.firstRadius * m.firstRadius, b = m.secondRadius * m.secondRadius;
+    r.add(unknown(m.first, 0), a);
+    r.add(unknown(m.first, 1), a * a);
+    r.add(unknown(m.second, 0), -b);
+    r.add(unknown(m.second, 1), -b * b);
+    relations.push_back(r);
+  }
+  for (std::size_t u = photographs; u < photographs + 2 * lensCount; ++u) {
+    Relation r;
+    r.add(u, 1);
+    r.deviation = kLensDeviation;
+    relations.push_back(r);
+  }
+  const Logs x = robustlySolved(relations, photographs + 2 * lensCount);
+  // Glass and stop shade all colours alike, so that the least squares of all three are their mean.
+  const auto mean = [](const glm::dvec3& v) { return (v.r + v.g + v.b) / 3; };
+  for (std::uint32_t n = 0; n < photographs; ++n) vignetting[n] = {mean(x[unknown(n, 0)]), mean(x[unknown(n, 1)])};
+  return vignetting;
+}
+
+std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
+                                             const std::vector<glm::dvec2>& vignetting) {
+  for (ExposureMatch& m : matches)
+    m.ratio -= glm::dvec3(logVignetting(vignetting[m.first], m.firstRadius) -
+                          logVignetting(vignetting[m.second], m.secondRadius));
+  return matches;
+}
+
+Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
+                         const std::vector<CaptureFacts>& exif) {
+  std::vector<Relation> relations;
+  Parts parts(photographs);
+  std::vector<bool> known(photographs, false);
+  for (const std::uint32_t k : matchesThatCount(matches)) {
+    const ExposureMatch& m = matches[k];
+    relations.push_back(relationOf(m));
+    parts.join(m.first, m.second);
+    known[m.first] = known[m.second] = true;
+  }
+  // Each camera of each part adds an unknown: what its log gain and log exposure sum up to.
+  std::size_t count = photographs;
+  std::map<std::pair<std::size_t, std::string>, std::size_t> cameras;
+  for (std::size_t n = 0; n < std::min(exif.size(), photographs); ++n)
+    if (const auto exposure = relativeExposure(exif[n]); exposure && known[n]) {
+      const auto [camera, isNew] = cameras.emplace(std::pair(parts.of(n), cameraOf(exif[n])), count);
+      count += isNew;
+      Relation r;
+      r.add(camera->second, 1);
+      r.add(n, -1);
+      r.difference = glm::dvec3(std::log(*exposure));
+      r.deviation = kExifDeviation;
+      relations.push_back(r);
+    }
+  Logs x(photographs, glm::dvec3(0.0));
+  if (!relations.empty()) {
+    x = robustlySolved(relations, count);
+    x.resize(photographs);
+  }
+  std::map<std::size_t, std::pair<glm::dvec3, double>> means;
+  for (std::size_t n = 0; n < photographs; ++n) {
+    auto& [sum, members] = means[parts.of(n)];
+    sum += x[n];
+    ++members;
+  }
+  Exposures exposures;
+  for (const auto& [part, mean] : means) exposures.parts += known[part];
+  for (std::size_t n = 0; n < photographs; ++n) {
+    const auto& [sum, members] = means[parts.of(n)];
+    x[n] -= sum / members;
+    exposures.measured += known[n];
+  }
+  if (exif.size() == photographs) completeByExif(exif, known, x);
+  exposures.alike = std::ranges::all_of(
+      x, [](const glm::dvec3& log) { return glm::all(glm::lessThan(glm::abs(log), glm::dvec3(kAlike))); });
+  for (std::size_t n = 0; n < photographs; ++n)
+    exposures.gains.push_back(exposures.alike
+                                  ? glm::dvec3(1.0)
+                                  : glm::clamp(glm::exp(x[n]), glm::dvec3(1 / kLargestGain), glm::dvec3(kLargestGain)));
+  return exposures;
+}
+
+}  // namespace ibr

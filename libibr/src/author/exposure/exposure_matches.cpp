@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "author/exposure/exposure.h"
+#include "author/exposure/exposure_overlap.h"
+#include "author/photographs/masks.h"
+#include "author/exposure/vignetting.h"
+#include "image/srgb.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::size_t kMostPoints = 500, kFewestPoints = 100;  // of a cell …
+constexpr std::size_t kPointsInAll = 150000;                   // … and of as many cells as one likes
+constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
+constexpr double kLeastMean = 0.003;           // linear light
+constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression
+constexpr double kTextureShare = 0.5;          // of a window's own spread: two photographs do not show the same window
+constexpr std::size_t kMostPartners = 12;      // of a photograph in a track
+constexpr double kTrackDeviation = 0.02;       // of a log ratio …
+constexpr double kTurnDeviation = 0.5;         // … and more of it by the radian between two rays to a point
+constexpr double kOverlapDeviation = 0.005;    // of what a rotation says; JPEG
+constexpr double kMostScale = 4;               // of windows
+constexpr double kLeastDeviation = 0.01;       // of a log ratio: surfaces shine
+
+// Linear light around a point.
+struct Colour {
+  glm::vec3 logs{0.0f};
+  float noise = -1;   // variance of the logs, mean over channels; negative: there is none
+  float texture = 0;  // variance of what the window shows, over the square of its mean
+  float radius = 0;   // ExposureMatch::firstRadius
+};
+
+const std::array<double, 256>& linearLight() {
+  static const auto table = [] {
+    std::array<double, 256> t{};
+    for (std::size_t v = 0; v < t.size(); ++v) t[v] = srgbToLinear(double(v) / 255);
+    return t;
+  }();
+  return table;
+}
+
+int radiusIn(const Image8& picture) {
+  return std::clamp(std::max(picture.width, picture.height) / 400, 2, 8);
+}
+
+// Where a photograph is looked at, and where its colour goes to. The window's points are at + i·right + j·down.
+struct Sample {
+  glm::vec2 at, right, down;  // px
+  std::size_t colour;
+};
+
+// Linear light between four pixels; nullopt where one of them is clipped, or noise.
+std::optional<glm::dvec3> lightAt(const Image8& picture, glm::vec2 at) {
+  const std::array<double, 256>& linear = linearLight();
+  const double u = double(at.x) - 0.5, v = double(at.y) - 0.5;
+  const int x = int(std::floor(u)), y = int(std::floor(v));
+  if (x < 0 || y < 0 || x + 1 >= picture.width || y + 1 >= picture.height) return std::nullopt;
+  glm::dvec3 light(0);
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const double weight = (i ? u - x : 1 - (u - x)) * (j ? v - y : 1 - (v - y));
+      const auto pixel = picture.pixel(x + i, y + j);
+      for (int c = 0; c < 3; ++c) {
+        const std::uint8_t level = pixel[std::size_t(c)];
+        if (level < kDarkest || level > kBrightest) return std::nullopt;
+        light[c] += weight * linear[level];
+      }
+    }
+  return light;
+}
+
+Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample) {
+  const int radius = radiusIn(picture);
+  glm::dvec3 sum(0), squares(0);
+  for (int j = -radius; j <= radius; ++j)
+    for (int i = -radius; i <= radius; ++i) {
+      const glm::vec2 at = sample.at + float(i) * sample.right + float(j) * sample.down;
+      const auto light = lightAt(picture, at);
+      if (!light || isIgnored(mask, at)) return {};
+      sum += *light;
+      squares += *light * *light;
+    }
+  const double count = (2 * radius + 1) * (2 * radius + 1);
+  Colour colour{glm::vec3(0.0f), 0, 0, 0};
+  for (int c = 0; c < 3; ++c) {
+    const double mean = sum[c] / count;
+    if (mean < kLeastMean) return {};
+    const double slope = 2.4 / (linearToSrgb(mean) + 0.055);  // of the log by the encoded value
+    colour.logs[c] = float(std::log(mean));
+    colour.noise += float(slope * slope * kLevelDeviation * kLevelDeviation / 3);
+    colour.texture += float(std::max(squares[c] / count - mean * mean, 0.0) / (mean * mean) / 3);
+  }
+  return colour;
+}
+
+// Vertices of tier 0, evenly chosen.
+std::vector<std::uint32_t> pointsOf(const MorphMesh& mesh, std::size_t most) {
+  std::vector<bool> agrees(mesh.pointCount(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.tier[t] == kTierAgrees)
+      for (int k = 0; k < 3; ++k) agrees[mesh.triangles[t][k]] = true;
+  std::vector<std::uint32_t> all, points;
+  for (std::uint32_t p = 0; p < agrees.size(); ++p)
+    if (agrees[p]) all.push_back(p);
+  const std::size_t count = std::min(all.size(), most);
+  for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
+  return points;
+}
+
+// All of a build's points in all photographs that show them.
+class Samples {
+ public:
+  explicit Samples(std::size_t photographs) : of_(photographs) {}
+
+  // The colour's place.
+  std::size_t add(std::uint32_t photograph, glm::vec2 at, glm::vec2 right = {1, 0}, glm::vec2 down = {0, 1}) {
+    of_[photograph].push_back({at, right, down, count_});
+    return count_++;
+  }
+
+  std::vector<Colour> colours(const std::vector<Photograph>& photographs, const BuildJobs& jobs) const {
+    std::vector<Colour> colours(count_);
+    double bytes = 0;
+    for (const Photograph& photograph : photographs) bytes = std::max(bytes, bytesToLoad(photograph));
+    jobs.runAll("comparing exposures", photographs.size(), bytes, [&](std::size_t n) {
+      if (of_[n].empty()) return;
+      const Image8 picture = loadPhotograph(photographs[n]), mask = storedMask(photographs[n]);
+      for (const Sample& sample : of_[n]) {
+        colours[sample.colour] = colourAt(picture, mask, sample);
+        colours[sample.colour].radius =
+            float(vignettingRadius(photographs[n].camera.intrinsics, glm::dvec2(sample.at)));
+      }
+    });
+    return colours;
+  }
+
+ private:
+  std::vector<std::vector<Sample>> of_;
+  std::size_t count_ = 0;
+};
+
+// Two places that show one point.
+struct Pair {
+  std::uint32_t first, second;  // photographs
+  std::size_t firstColour, secondColour;
+  double deviation;  // of the log ratio …
+  double texture;    // … and more, of a window's own spread: they do not show quite the same
+};
+
+void addCell(const Cell& cell, std::size_t most, Samples& samples, std::vector<Pair>& pairs) {
+  const std::vector<std::uint32_t> points = pointsOf(cell.mesh, most);
+  std::vector<std::size_t> begin;
+  for (std::size_t i = 0; i < cell.members.size(); ++i)
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const std::size_t colour = samples.add(cell.members[i], cell.mesh.match[i][points[k]]);
+      if (k == 0) begin.push_back(colour);
+    }
+  for (std::size_t i = 1; i < begin.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      for (std::size_t k = 0; k < points.size(); ++k)
+        pairs.push_back({cell.members[i], cell.members[j], begin[i] + k, begin[j] + k, kLeastDeviation, kTextureShare});
+}
+
+using Joined = std::set<std::pair<std::uint32_t, std::uint32_t>>;  // the lesser first
+
+// A small square of the world, or of the sky.
+struct Patch {
+  glm::dvec4 centre;       // homogeneous
+  glm::dvec3 right, down;  // unit, of each other's length and across
+};
+
+// Across `ray`, on which its centre lies.
+Patch patchAcross(glm::dvec4 centre, glm::dvec3 ray) {
+  const glm::dvec3 other = std::abs(ray.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(ray, other));
+  return {centre, right, glm::cross(ray, right)};
+}
+
+// Where a photograph shows a patch: its centre, and pixels per unit of the world (of the sky: per radian) along its
+// sides.
+struct PatchView {
+  glm::dvec2 at, right, down;
+
+  double size() const { return std::sqrt(std::abs(right.x * down.y - right.y * down.x)); }
+};
+
+std::optional<PatchView> viewOf(const Camera& camera, const Patch& patch) {
+  const glm::dvec3 ray = glm::dvec3(patch.centre) - patch.centre.w * camera.pose.position;
+  const double step = 1e-4 * glm::length(ray);
+  const auto seen = [&](glm::dvec3 direction) {
+    return project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * direction);
+  };
+  const auto at = seen(ray), right = seen(ray + step * patch.right), down = seen(ray + step * patch.down);
+  if (!at || !right || !down) return std::nullopt;
+  return PatchView{*at, (*right - *at) / step, (*down - *at) / step};
+}
+
+// Windows that show more of the world show something else, and features are spots that are lighter or darker than what
+// is around them: so windows show as much in all photographs, as many pixels as it takes in the coarsest.
+void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, const std::vector<Photograph>& photographs,
+              const std::vector<glm::dvec2>* places, double deviation, Samples& samples, std::vector<Pair>& pairs,
+              const Joined& joined = {}) {
+  std::vector<PatchView> views;
+  std::vector<std::uint32_t> seen;
+  for (std::size_t i = 0; i < seenBy.size(); ++i)
+    if (auto view = viewOf(photographs[seenBy[i]].camera, patch)) {
+      if (places) view->at = (*places)[i];
+      views.push_back(*view);
+      seen.push_back(seenBy[i]);
+    }
+  if (views.empty()) return;
+  const double least = std::ranges::min(views, {}, &PatchView::size).size();
+  std::vector<std::size_t> colours(views.size());
+  std::vector<bool> used(views.size(), false);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (used[i] = least > 0 && views[i].size() <= kMostScale * least; used[i])
+      colours[i] = samples.add(seen[i], views[i].at, views[i].right / least, views[i].down / least);
+  const auto ray = [&](std::uint32_t n) {
+    return glm::normalize(patch.centre.w * photographs[n].camera.pose.position - glm::dvec3(patch.centre));
+  };
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    for (std::size_t j = i + 1; j < std::min(seen.size(), i + 1 + kMostPartners); ++j)
+      if (used[i] && used[j] && seen[i] != seen[j] && !joined.contains(std::minmax(seen[i], seen[j])))
+        pairs.push_back({seen[i], seen[j], colours[i], colours[j],
+                         deviation + kTurnDeviation * glm::distance(ray(seen[i]), ray(seen[j])), kTextureShare});
+}
+
+// Only photographs that nothing denser joins: a track's point is a spot, seen from far apart.
+void addTrack(const Track& track, const std::vector<Photograph>& photographs, const std::vector<glm::dvec2>& scale,
+              const Joined& joined, Samples& samples, std::vector<Pair>& pairs) {
+  std::vector<std::uint32_t> seenBy;
+  std::vector<glm::dvec2> places;
+  glm::dvec3 mean(0);
+  for (const TrackObservation& o : track.observations) {
+    seenBy.push_back(o.image);
+    places.push_back(o.pixel * scale[o.image]);
+    mean += glm::normalize(track.position - photographs[o.image].camera.pose.position);
+  }
+  if (!(glm::length(mean) > 1e-6)) return;
+  addPatch(patchAcross(glm::dvec4(track.position, 1), glm::normalize(mean)), seenBy, photographs, &places,
+           kTrackDeviation, samples, pairs, joined);
+}
+
+void addOverlap(const OverlapPoint& point, const std::vector<Photograph>& photographs, Samples& samples,
+                std::vector<Pair>& pairs) {
+  const glm::dvec3 position = photographs[point.first].camera.pose.position;
+  const glm::dvec4 centre(point.ray + point.inverseDistance * position, point.inverseDistance);
+  addPatch(patchAcross(centre, point.ray), {point.first, point.second}, photographs, nullptr, kOverlapDeviation,
+           samples, pairs);
+}
+
+}  // namespace
+
+std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
+                                           const Scene& scene, const BuildJobs& jobs) {
+  Samples samples(photographs.size());
+  std::vector<Pair> pairs;
+  const std::size_t most =
+      std::clamp(kPointsInAll / std::max<std::size_t>(scene.cells.size(), 1), kFewestPoints, kMostPoints);
+  for (const Cell& cell : scene.cells) addCell(cell, most, samples, pairs);
+  for (const OverlapPoint& point : overlapPoints(photographs, model, scene, jobs))
+    addOverlap(point, photographs, samples, pairs);
+  Joined joined;
+  for (const Pair& pair : pairs) joined.insert(std::minmax(pair.first, pair.second));
+  std::vector<glm::dvec2> modelScale;  // from the model's pixels to those of the photographs
+  for (std::size_t n = 0; n < photographs.size(); ++n) {
+    const Intrinsics &from = model.images[n].camera.intrinsics, &to = photographs[n].camera.intrinsics;
+    modelScale.emplace_back(double(to.width) / from.width, double(to.height) / from.height);
+  }
+  for (const Track& track : model.tracks)
+    if (track.observations.size() > 1) addTrack(track, photographs, modelScale, joined, samples, pairs);
+  const std::vector<Colour> colours = samples.colours(photographs, jobs);
+  std::vector<ExposureMatch> matches;
+  for (const Pair& pair : pairs) {
+    const Colour &a = colours[pair.firstColour], &b = colours[pair.secondColour];
+    if (a.noise < 0 || b.noise < 0) continue;
+    const double texture = pair.texture * pair.texture * (double(a.texture) + double(b.texture));
+    matches.push_back({pair.first, pair.second, glm::dvec3(a.logs) - glm::dvec3(b.logs),
+                       std::sqrt(double(a.noise) + double(b.noise) + texture + pair.deviation * pair.deviation),
+                       a.radius, b.radius});
+  }
+  return matches;
+}
+
+}  // namespace ibr

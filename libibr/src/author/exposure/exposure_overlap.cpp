@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/exposure/exposure_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
+#include "author/graph/view_relations.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kDepthSide = 128, kGridSide = 96;  // of a photograph's longest side
+constexpr std::size_t kMostPoints = 1200, kFewestPoints = 50;  // of a pair …
+constexpr std::size_t kPointsInAll = 350000;                  // … and of as many photographs as one likes
+constexpr std::size_t kLeastPoints = 8;
+constexpr std::size_t kPartners = 8, kTried = 16;
+constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
+constexpr double kDepthTolerance = 0.05;  // of the inverse distance, between two photographs
+constexpr double kNearShare = 0.95;       // of what is known lies beyond `nearest`
+
+// A photograph, and what is known of the depth in it.
+struct Around {
+  const Camera* camera;
+  ImageF depth;         // axis depth, inverse; empty of panoramas
+  double nearest = -1;  // inverse distance that little exceeds; < 0: not known
+};
+
+glm::dvec3 worldRay(const Camera& camera, glm::dvec2 pixel) {
+  return camera.pose.rotation * unproject(camera.intrinsics, pixel);
+}
+
+// nullopt where the depth is not known.
+std::optional<double> inverseDistanceAt(const Around& around, glm::dvec2 pixel) {
+  if (around.depth.empty()) return std::nullopt;
+  const Intrinsics& k = around.camera->intrinsics;
+  const int x = std::clamp(int(pixel.x * around.depth.width / k.width), 0, around.depth.width - 1),
+            y = std::clamp(int(pixel.y * around.depth.height / k.height), 0, around.depth.height - 1);
+  const float inverse = around.depth.pixel(x, y)[0];
+  if (inverse < 0) return std::nullopt;
+  return double(inverse) * -unproject(k, pixel).z;
+}
+
+Around lookAround(std::uint32_t n, const Camera& camera, const std::vector<double>& tracks, const Scene& scene) {
+  Around around{&camera, {}, -1};
+  std::vector<double> inverse = tracks;
+  const Intrinsics& k = camera.intrinsics;
+  if (k.model == CameraModel::pinhole) {
+    const double scale = std::min(1.0, double(kDepthSide) / std::max(k.width, k.height));
+    around.depth = depthInScene(
+        scene, n, {std::max(1, int(std::lround(scale * k.width))), std::max(1, int(std::lround(scale * k.height)))});
+    for (const float v : around.depth.values)
+      if (v >= 0) inverse.push_back(v);
+  }
+  if (inverse.empty()) return around;
+  const auto near = inverse.begin() + std::ptrdiff_t(kNearShare * double(inverse.size() - 1));
+  std::nth_element(inverse.begin(), near, inverse.end());
+  around.nearest = *near;
+  return around;
+}
+
+std::vector<glm::dvec2> gridOf(const Intrinsics& k) {
+  const double step = std::max(k.width, k.height) / double(kGridSide);
+  std::vector<glm::dvec2> grid;
+  for (double y = step / 2; y < k.height; y += step)
+    for (double x = step / 2; x < k.width; x += step) grid.emplace_back(x, y);
+  return grid;
+}
+
+bool isInside(const Intrinsics& k, glm::dvec2 p) {
+  return p.x >= 0 && p.y >= 0 && p.x < k.width && p.y < k.height;
+}
+
+// Half the angle that the picture's diagonal spans, at most.
+double reachOf(const Intrinsics& k) {
+  if (k.model == CameraModel::equirectangular) return std::numbers::pi;
+  double most = 0;
+  for (const glm::dvec2 corner : {glm::dvec2(0, 0), {k.width, 0}, {0, k.height}, {k.width, k.height}})
+    most = std::max(most, std::acos(std::clamp(-unproject(k, corner).z, -1.0, 1.0)));
+  return most;
+}
+
+class Overlaps {
+ public:
+  Overlaps(std::vector<Around> around, const Scene& scene) : around_(std::move(around)) {
+    const std::size_t pairs = std::max<std::size_t>(around_.size() * kPartners / 2, 1);
+    most_ = std::clamp(kPointsInAll / pairs, kFewestPoints, kMostPoints);
+    for (const Around& a : around_) reach_.push_back(reachOf(a.camera->intrinsics));
+    for (const Cell& cell : scene.cells)
+      for (const std::uint32_t a : cell.members)
+        for (const std::uint32_t b : cell.members) joined_.insert({a, b});
+  }
+
+  bool mayOverlap(std::uint32_t a, std::uint32_t b) const {
+    if (a == b || joined_.contains({a, b})) return false;
+    return angleBetween(viewAxis(around_[a].camera->pose), viewAxis(around_[b].camera->pose)) < reach_[a] + reach_[b];
+  }
+
+  double distance(std::uint32_t a, std::uint32_t b) const {
+    return glm::distance(around_[a].camera->pose.position, around_[b].camera->pose.position);
+  }
+
+  // What b shows of what a shows, evenly chosen.
+  std::vector<OverlapPoint> between(std::uint32_t a, std::uint32_t b) const {
+    std::vector<OverlapPoint> all, points;
+    for (const glm::dvec2 pixel : gridOf(around_[a].camera->intrinsics))
+      if (const auto inverse = sharedAt(around_[a], around_[b], pixel))
+        all.push_back({a, b, worldRay(*around_[a].camera, pixel), *inverse});
+    const std::size_t count = std::min(all.size(), most_);
+    for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
+    return points;
+  }
+
+ private:
+  // The inverse distance at which b shows what a shows at `pixel`; nullopt where it does not, or nobody knows.
+  static std::optional<double> sharedAt(const Around& a, const Around& b, glm::dvec2 pixel) {
+    const Camera &from = *a.camera, &to = *b.camera;
+    const glm::dvec3 ray = worldRay(from, pixel), shift = from.pose.position - to.pose.position;
+    const auto seen = [&](double inverse) -> std::optional<glm::dvec2> {
+      const auto at = project(to.intrinsics, glm::conjugate(to.pose.rotation) * (ray + inverse * shift));
+      return at && isInside(to.intrinsics, *at) ? at : std::nullopt;
+    };
+    const double baseline = glm::length(shift), nearest = std::max(a.nearest, b.nearest);
+    if (baseline <= 0 || (nearest >= 0 && baseline * nearest < 2 * kMostParallax)) {
+      const double middle = baseline > 0 ? nearest / 2 : 0;
+      return seen(middle) ? std::optional(middle) : std::nullopt;
+    }
+    const auto inverse = inverseDistanceAt(a, pixel);
+    if (!inverse) return std::nullopt;
+    const auto at = seen(*inverse);
+    if (!at) return std::nullopt;
+    const auto there = inverseDistanceAt(b, *at);
+    const double expected = *inverse / glm::length(ray + *inverse * shift);
+    if (!there || std::abs(*there - expected) > kDepthTolerance * std::max(*there, expected) + 1e-9)
+      return std::nullopt;
+    return inverse;
+  }
+
+  std::vector<Around> around_;
+  std::vector<double> reach_;
+  std::size_t most_;  // points of a pair
+  std::set<std::pair<std::uint32_t, std::uint32_t>> joined_;
+};
+
+// Of each photograph the inverse distances of the model's points that it sees.
+std::vector<std::vector<double>> trackDistances(const std::vector<Photograph>& photographs, const PosedModel& model) {
+  std::vector<std::vector<double>> inverse(photographs.size());
+  for (const Track& track : model.tracks)
+    for (const TrackObservation& o : track.observations)
+      inverse[o.image].push_back(1 / glm::distance(track.position, photographs[o.image].camera.pose.position));
+  return inverse;
+}
+
+}  // namespace
+
+std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
+                                        const Scene& scene, const BuildJobs& jobs) {
+  const auto count = std::uint32_t(photographs.size());
+  const std::vector<std::vector<double>> tracks = trackDistances(photographs, model);
+  std::vector<Around> around(count);
+  jobs.runAll("finding overlaps", count, 1e6, [&](std::size_t n) {
+    around[n] = lookAround(std::uint32_t(n), photographs[n].camera, tracks[n], scene);
+  });
+  const Overlaps overlaps(std::move(around), scene);
+  std::vector<std::vector<std::vector<OverlapPoint>>> found(count);
+  jobs.runAll("finding overlaps", count, 1e6, [&](std::size_t n) {
+    const auto a = std::uint32_t(n);
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t b = 0; b < count; ++b)
+      if (overlaps.mayOverlap(a, b)) others.push_back(b);
+    std::ranges::stable_sort(others, {}, [&](std::uint32_t b) { return overlaps.distance(a, b); });
+    if (others.size() > kTried) others.resize(kTried);
+    for (const std::uint32_t b : others) {
+      if (found[n].size() == kPartners) break;
+      std::vector<OverlapPoint> points = overlaps.between(std::min(a, b), std::max(a, b));
+      if (points.size() >= kLeastPoints) found[n].push_back(std::move(points));
+    }
+  });
+  std::set<std::pair<std::uint32_t, std::uint32_t>> known;
+  std::vector<OverlapPoint> points;
+  for (const auto& of : found)
+    for (const std::vector<OverlapPoint>& pair : of)
+      if (known.insert({pair[0].first, pair[0].second}).second) points.insert(points.end(), pair.begin(), pair.end());
+  return points;
+}
+
+}  // namespace ibr

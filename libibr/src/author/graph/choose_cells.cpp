@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/graph/choose_cells.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "author/graph/capture_sites.h"
+
+namespace ibr {
+namespace {
+
+constexpr std::uint32_t kLeastShared = 30;  // tracks
+constexpr double kLeastCovisible = 0.10;    // of the tracks of the poorer member
+constexpr double kWideCovisible = 0.20;     // likewise, of a wide line
+constexpr double kWideAngle = 45.0;         // degrees between its axes
+constexpr int kApart = 3;                   // cells from one photograph to the other, without it
+constexpr double kGoodSpread = 0.15;        // of disparities, in widths: what is farther apart hides more
+constexpr double kCovered = -0.06;          // weights above this: inside another cell …
+constexpr double kNear = 0.05;              // … and no further off its span than this, in longest edges
+
+bool hasFace(const Simplex& cell, const Simplex& face) {
+  return std::includes(cell.begin(), cell.end(), face.begin(), face.end());
+}
+
+bool relativeNeighbours(const Views& views, const Simplex& edge, std::span<const std::uint32_t> others) {
+  const auto at = cornersOf(views, edge);
+  const double length = glm::distance(at[0], at[1]) * (1.0 - 1e-9);
+  return std::none_of(others.begin(), others.end(), [&](std::uint32_t i) {
+    const glm::dvec3 p = views[i].camera.pose.position;
+    return std::max(glm::distance(p, at[0]), glm::distance(p, at[1])) < length;
+  });
+}
+
+}  // namespace
+
+const ViewRelation& CellJudge::between(std::uint32_t a, std::uint32_t b) const {
+  return relations_.between(views_[a].image, views_[b].image);
+}
+
+std::optional<std::string> CellJudge::sharesTooLittle(std::uint32_t a, std::uint32_t b) const {
+  if (!relations_.hasTracks()) return std::nullopt;
+  const ViewRelation& relation = between(a, b);
+  if (relation.shared >= kLeastShared && relation.covisible() >= kLeastCovisible) return std::nullopt;
+  return fmt::format("{} and {} share {} points of {}; {} and {:.0f} % are needed", views_[a].name, views_[b].name,
+                     relation.shared, relation.poorer, kLeastShared, 100 * kLeastCovisible);
+}
+
+std::optional<std::string> CellJudge::refusal(const Simplex& simplex) const {
+  if (!(shape(cornersOf(views_, simplex)) >= leastShape(simplex.size()))) return "";
+  for (std::size_t a = 0; a < simplex.size(); ++a)
+    for (std::size_t b = a + 1; b < simplex.size(); ++b) {
+      const std::uint32_t i = simplex[a], j = simplex[b];
+      const double angle = axisAngle(views_, i, j), limit = std::min(views_[i].theta, views_[j].theta);
+      if (angle > limit)
+        return fmt::format("{} and {} look {:.0f}° apart, more than {:.0f}°", views_[i].name, views_[j].name,
+                           glm::degrees(angle), glm::degrees(limit));
+      if (auto reason = sharesTooLittle(i, j)) return reason;
+    }
+  return std::nullopt;
+}
+
+bool CellJudge::acceptsWide(std::uint32_t a, std::uint32_t b) const {
+  if (!views_.sameKind(a, b) || views_[a].spot == views_[b].spot) return false;
+  const ViewRelation& relation = between(a, b);
+  return relation.shared >= kLeastShared && relation.covisible() >= kWideCovisible &&
+         axisAngle(views_, a, b) <= glm::radians(kWideAngle);
+}
+
+double CellJudge::score(const Simplex& simplex) const {
+  double covisible = 1, spread = 0;
+  if (relations_.hasTracks())
+    for (std::size_t a = 0; a < simplex.size(); ++a)
+      for (std::size_t b = a + 1; b < simplex.size(); ++b) {
+        const ViewRelation& relation = between(simplex[a], simplex[b]);
+        covisible = std::min(covisible, relation.covisible());
+        spread = std::max(spread, relation.disparitySpread);
+      }
+  return shape(cornersOf(views_, simplex)) * covisible * std::min(1.0, kGoodSpread / std::max(spread, 1e-9));
+}
+
+bool liesIn(const Views& views, const Simplex& simplex, std::span<const Simplex> cells) {
+  glm::dvec3 middle(0.0);
+  for (const std::uint32_t i : simplex) middle += views[i].camera.pose.position / double(simplex.size());
+  return std::any_of(cells.begin(), cells.end(), [&](const Simplex& cell) {
+    const auto at = cornersOf(views, cell);
+    const double longest = longestEdge(at);
+    if (glm::distance(middle, at[0]) > (1 + kNear) * longest) return false;
+    if (axisAngle(views, simplex[0], cell[0]) > std::min(views[simplex[0]].theta, views[cell[0]].theta)) return false;
+    const Location where = locate(at, middle);
+    return where.distance < kNear * longest &&
+           std::all_of(where.weights.begin(), where.weights.begin() + std::ptrdiff_t(cell.size()),
+                       [](double weight) { return weight > kCovered; });
+  });
+}
+
+std::vector<Simplex> chooseCells(const Views& views, const CellJudge& judge, const ViewGroup& group, GroupSplit split,
+                                 std::map<Simplex, std::string>& refused) {
+  // From the highest rank downwards; what is refused hands its faces on. Delaunay's simplices do not overlap.
+  std::vector<Simplex> kept, candidates = std::move(split.simplices);
+  bool mayOverlap = split.overlaps;
+  for (std::size_t d = candidates.empty() ? 0 : candidates[0].size(); d >= 2; --d, mayOverlap = true) {
+    std::vector<Simplex> level;
+    std::set<Simplex> next;
+    for (const Simplex& simplex : candidates) {
+      if (const auto reason = judge.refusal(simplex)) {
+        if (!reason->empty()) refused.emplace(simplex, *reason);
+        if (d > 2)
+          for (Simplex& face : faces(simplex)) next.insert(std::move(face));
+        continue;
+      }
+      if (mayOverlap && (liesIn(views, simplex, kept) || liesIn(views, simplex, level))) continue;
+      if (mayOverlap && d == 2 && !relativeNeighbours(views, simplex, group)) continue;
+      level.push_back(simplex);
+    }
+    kept.insert(kept.end(), level.begin(), level.end());
+    candidates.assign(next.begin(), next.end());
+    std::erase_if(candidates, [&](const Simplex& face) {
+      return std::any_of(kept.begin(), kept.end(), [&](const Simplex& cell) { return hasFace(cell, face); });
+    });
+  }
+  return kept;
+}
+
+namespace {
+
+// Which views are joined by cells.
+class CellGraph {
+ public:
+  CellGraph(std::size_t views, const std::set<Simplex>& cells) : joined_(views) {
+    for (const Simplex& cell : cells)
+      for (const std::uint32_t i : cell)
+        for (const std::uint32_t j : cell)
+          if (i != j) joined_[i].insert(j);
+    std::vector<TreeEdge> edges;
+    for (std::uint32_t i = 0; i < views; ++i)
+      for (const std::uint32_t j : joined_[i]) edges.push_back({1, i, j});
+    component_ = components(views, edges);
+  }
+  /// Joined to no other view, or to one.
+  bool isEnd(std::uint32_t view) const { return joined_[view].size() <= 1; }
+  bool connected(std::uint32_t a, std::uint32_t b) const { return component_[a] == component_[b]; }
+  /// Views within so many cells of one.
+  std::set<std::uint32_t> within(std::uint32_t seed, int cells) const {
+    std::set<std::uint32_t> reached{seed}, rim{seed};
+    for (int step = 0; step < cells; ++step) {
+      std::set<std::uint32_t> next;
+      for (const std::uint32_t i : rim)
+        for (const std::uint32_t j : joined_[i])
+          if (reached.insert(j).second) next.insert(j);
+      rim = std::move(next);
+    }
+    return reached;
+  }
+
+ private:
+  std::vector<std::set<std::uint32_t>> joined_;
+  std::vector<std::uint32_t> component_;
+};
+
+}  // namespace
+
+std::vector<Simplex> wideLines(const Views& views, const CellJudge& judge, const ViewRelations& relations,
+                               const std::set<Simplex>& cells) {
+  std::vector<std::uint32_t> viewOf(views.size());
+  for (std::uint32_t i = 0; i < views.size(); ++i) viewOf[views[i].image] = i;
+  std::vector<std::vector<std::uint32_t>> partners(views.size());
+  for (std::uint32_t i = 0; i < views.size(); ++i) {
+    for (const auto& [image, shared] : relations.neighbours(views[i].image, kLeastShared))
+      if (judge.acceptsWide(i, viewOf[image])) partners[i].push_back(viewOf[image]);
+    std::sort(partners[i].begin(), partners[i].end());
+  }
+  const CellGraph graph(views.size(), cells);
+  std::set<Simplex> joinedSpots;
+  for (const Simplex& cell : cells)
+    for (const std::uint32_t a : cell)
+      for (const std::uint32_t b : cell) joinedSpots.insert({views[a].spot, views[b].spot});
+  std::vector<Simplex> lines;
+  for (std::uint32_t i = 0; i < views.size(); ++i) {
+    if (partners[i].empty()) continue;
+    const std::set<std::uint32_t> near = graph.within(i, kApart);
+    for (const std::uint32_t j : partners[i]) {
+      if (j < i || near.contains(j)) continue;
+      if (graph.connected(i, j) && !graph.isEnd(i) && !graph.isEnd(j)) continue;
+      if (joinedSpots.contains({views[i].spot, views[j].spot})) continue;
+      std::vector<std::uint32_t> ofBoth;
+      std::set_intersection(partners[i].begin(), partners[i].end(), partners[j].begin(), partners[j].end(),
+                            std::back_inserter(ofBoth));
+      if (relativeNeighbours(views, {i, j}, ofBoth)) lines.push_back({i, j});
+    }
+  }
+  return lines;
+}
+
+}  // namespace ibr

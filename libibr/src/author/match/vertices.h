@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vertices of a morphing mesh from a dense match, and the triangulation that folds over in no member.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "author/match/match.h"
+
+namespace ibr {
+
+/// Where a dense match puts vertices: the matcher's own, else by quadtree (quadtree.h).
+MatchedVertices matchedVertices(std::span<const MatchView> views, const DenseMatch& match);
+
+template <class T>
+void keepOnly(std::vector<T>& list, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  for (std::size_t v = 0; v < list.size(); ++v)
+    if (keep[v]) list[kept++] = list[v];
+  list.resize(kept);
+}
+
+/// Triangles of `vertices`, which has count(), triangulate(), folded(triangle) and keepOnly(keep): while triangles fold
+/// over, the vertex of each that most of them share is dropped. What folds over after many passes is left to labels.
+template <class Vertices>
+std::vector<glm::uvec3> triangulateAndRepair(Vertices& vertices) {
+  constexpr int kRepairs = 30;
+  for (int pass = 0;; ++pass) {
+    std::vector<glm::uvec3> triangles = vertices.triangulate();
+    if (pass == kRepairs) return triangles;
+    std::vector<unsigned> folds(vertices.count(), 0);
+    std::vector<glm::uvec3> bad;
+    for (const glm::uvec3& t : triangles)
+      if (vertices.folded(t)) {
+        bad.push_back(t);
+        for (int k = 0; k < 3; ++k) ++folds[t[k]];
+      }
+    if (bad.empty()) return triangles;
+    std::vector<bool> keep(vertices.count(), true);
+    for (const glm::uvec3& t : bad) {
+      if (!keep[t.x] || !keep[t.y] || !keep[t.z]) continue;
+      unsigned worst = t.x;
+      for (int k = 1; k < 3; ++k)
+        if (folds[t[k]] > folds[worst]) worst = t[k];
+      keep[worst] = false;
+    }
+    vertices.keepOnly(keep);
+  }
+}
+
+}  // namespace ibr

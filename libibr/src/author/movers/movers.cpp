@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/movers/movers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+#include <vector>
+
+#include "author/sweep/window_agreement.h"
+#include "author/backdrop/complete_depth.h"
+#include "author/pixels/cv_view.h"
+#include "author/sweep/depth_clean.h"
+#include "author/sweep/depth_edges.h"
+#include "author/sweep/dominant_planes.h"
+#include "author/movers/familiar.h"
+#include "author/photographs/masks.h"
+#include "author/geometry/mean_frame.h"
+#include "author/pixels/resize.h"
+#include "author/sweep/plane_sweep.h"
+#include "author/backdrop/scene_depth.h"
+#include "author/sweep/sgm.h"
+#include "base/check.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kSpeckle = 60;          // px at half resolution
+constexpr double kPiece = 0.002;      // of the area: what has a depth of its own on less is chance
+constexpr float kSpeckleStep = 2.0f;  // levels
+constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
+constexpr int kMisaligned = 2;        // px at half resolution that colours may be off
+constexpr int kPatch = 3;             // px, side of what differs as a whole
+constexpr int kSurely = 24;           // grey levels: a mover's core
+constexpr int kPerhaps = 10;          // and what belongs to it
+constexpr double kCore = 0.2;         // share of a region that is core, at least
+constexpr double kLooksLike = 0.75;   // correlation that explains a pixel
+constexpr double kExplained = 0.3;    // share of a region that makes it no mover
+constexpr double kThin = 0.003;       // of the width: what is no wider is an edge
+constexpr double kSmall = 0.001;      // of the area
+constexpr double kMost = 0.25;        // of the area
+constexpr double kAgrees = 0.68;      // share of what it sees around that another one must show alike, to judge
+constexpr double kKnown = 0.15;       // share of that whose depth was not completed
+constexpr int kAround = 16;           // px at half resolution around a region, at least, in which its like is sought
+constexpr int kLeastAround = 200;     // px that are alike there, at least
+constexpr double kStranger = 1.35;    // times as unfamiliar as the other …
+constexpr double kNoise = 3;          // … and grey levels more
+constexpr double kSure = 0.3;         // share of a part that must be
+constexpr double kSeen = 0.5;         // and that others must see
+constexpr int kSmoothing = 200;       // sweeps of successive over-relaxation
+constexpr float kOverrelaxed = 1.9f;
+constexpr int kIsland = 3;  // px: what looks alike on less is chance
+constexpr int kBand = 5;    // px at half resolution on both sides of an outline
+
+cv::Mat disc(double radius) {
+  const int r = std::max(1, int(std::lround(radius)));
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
+}
+
+cv::Mat grey(const cv::Mat& colour) {
+  cv::Mat result;
+  cv::cvtColor(colour, result, cv::COLOR_RGB2GRAY);
+  return result;
+}
+
+// One photograph among others, at half the matched size.
+struct Half {
+  SweepView sweep;
+  cv::Mat colour;  // float, 3 channels
+  cv::Mat used;    // 255: inside the mask
+};
+
+Half halfOf(const MatchView& view) {
+  const int width = std::max(view.picture.width / 2, 1), height = std::max(view.picture.height / 2, 1);
+  Half half{{{resized(view.camera.intrinsics, width, height), view.camera.pose}, ImageF(width, height, 1)}, {}, {}};
+  const Image8 small = shrunk(view.picture, width, height);
+  cvView(small).convertTo(half.colour, CV_32F);
+  grey(half.colour).copyTo(cvView(half.sweep.grey));
+  half.sweep.mask = widenedMask(resizedMask(view.mask, width, height), kSweepWindow);
+  half.used =
+      half.sweep.mask.empty() ? cv::Mat(height, width, CV_8U, cv::Scalar(255)) : cvView(half.sweep.mask).clone();
+  return half;
+}
+
+// Another photograph as the frame sees it through a depth.
+struct Warped {
+  cv::Mat colour, inside;  // 255: it is in its picture, and not masked
+  cv::Mat differs;         // from the view, grey levels
+};
+
+class Judge {
+ public:
+  Judge(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points)
+      : view_(halfOf(view)), frame_(view_.sweep.camera), points_(points) {
+    for (const MatchView& other : others) others_.push_back(halfOf(other));
+    width_ = frame_.intrinsics.width;
+    height_ = frame_.intrinsics.height;
+  }
+
+  OddRegions run() {
+    matched_ = matchedDepth();
+    OddRegions odd = look();
+    if (!odd.regions.empty()) {
+      forget(odd);
+      odd = look();
+    }
+    odd.depth = ImageF((width_ + kDepthStep - 1) / kDepthStep, (height_ + kDepthStep - 1) / kDepthStep, 1);
+    for (int y = 0; y < odd.depth.height; ++y)
+      for (int x = 0; x < odd.depth.width; ++x)
+        odd.depth.pixel(x, y)[0] = depth_.pixel(x * kDepthStep, y * kDepthStep)[0];
+    return odd;
+  }
+
+ private:
+  // Inverse depth in the frame that the photographs agree on best, and the sweep's step.
+  std::pair<ImageF, float> depthOf(std::span<const Half* const> halves) const {
+    std::vector<SweepView> views;
+    std::vector<Camera> cameras;
+    for (const Half* half : halves) {
+      views.push_back(half->sweep);
+      cameras.push_back(half->sweep.camera);
+    }
+    std::vector<double> depths;
+    for (const glm::dvec3& point : points_)
+      if (const double w = inverseDepth(frame_, point); w > 0 && std::isfinite(w)) depths.push_back(w);
+    check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the photograph");
+    const SweepLevels levels = sweepLevels(frame_, cameras, std::move(depths));
+    const CostVolume volume = planeSweep(frame_, views, levels, dominantPlanes(frame_, cameras, points_));
+    ImageF level = semiGlobalLevels(volume);
+    cleanDepth(level, kSpeckleStep, kSpeckle);
+    trimForegrounds(frame_, views, levels, volume.guide, level);
+    for (float& l : level.values) l = float(levels.at(double(l)));
+    return {enlarged(fitPlanes(level, float(levels.step)), width_, height_), float(levels.step)};
+  }
+
+  Warped warped(const Half& other, const ImageF& depth) const {
+    const FrameToMember map = frameToMember(frame_, other.sweep.camera);
+    const Intrinsics& k = other.sweep.camera.intrinsics;
+    cv::Mat at(height_, width_, CV_32FC2);
+    Warped result{{}, cv::Mat(height_, width_, CV_8U, cv::Scalar(0))};
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        const auto pixel = map({x + 0.5, y + 0.5}, double(depth.pixel(x, y)[0]));
+        const glm::dvec2 p = pixel.value_or(glm::dvec2(-1));
+        at.at<cv::Vec2f>(y, x) = {float(p.x - 0.5), float(p.y - 0.5)};
+        if (p.x < 1 || p.y < 1 || p.x > k.width - 1 || p.y > k.height - 1) continue;
+        result.inside.at<std::uint8_t>(y, x) = other.used.at<std::uint8_t>(int(p.y), int(p.x));
+      }
+    cv::remap(other.colour, result.colour, at, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    return result;
+  }
+
+  static cv::Mat looksLike(const cv::Mat& a, const cv::Mat& b) {
+    return agreement(grey(a), grey(b), kLooksLike).textured;
+  }
+
+  // Of each channel what makes `b` as bright as `a` where they look alike: the median ratio.
+  static cv::Mat alikeExposed(const cv::Mat& a, const cv::Mat& b, const cv::Mat& where) {
+    cv::Mat result = b.clone();
+    std::array<std::vector<float>, 3> ratios;
+    for (int y = 0; y < a.rows; ++y)
+      for (int x = 0; x < a.cols; ++x) {
+        if (!where.at<std::uint8_t>(y, x)) continue;
+        const cv::Vec3f va = a.at<cv::Vec3f>(y, x), vb = b.at<cv::Vec3f>(y, x);
+        for (int c = 0; c < 3; ++c)
+          if (std::min(va[c], vb[c]) > 12 && std::max(va[c], vb[c]) < 250)
+            ratios[std::size_t(c)].push_back(va[c] / vb[c]);
+      }
+    cv::Scalar gain(1, 1, 1);
+    for (int c = 0; c < 3; ++c) {
+      std::vector<float>& r = ratios[std::size_t(c)];
+      if (r.size() < 100) continue;
+      const auto middle = r.begin() + std::ptrdiff_t(r.size() / 2);
+      std::nth_element(r.begin(), middle, r.end());
+      gain[c] = double(*middle);
+    }
+    cv::multiply(result, gain, result);
+    return result;
+  }
+
+  // How far `a` is outside the range of `b` around each pixel, and `b` outside that of `a`, grey levels: the larger.
+  static cv::Mat difference(const cv::Mat& a, const cv::Mat& b) {
+    const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, {2 * kMisaligned + 1, 2 * kMisaligned + 1});
+    const auto outside = [&](const cv::Mat& one, const cv::Mat& other) {
+      cv::Mat high, low;
+      cv::dilate(other, high, around);
+      cv::erode(other, low, around);
+      cv::Mat off = cv::max(one - high, 0) + cv::max(low - one, 0);
+      std::array<cv::Mat, 3> channel;
+      cv::split(off, channel.data());
+      cv::Mat square = channel[0].mul(channel[0]) + channel[1].mul(channel[1]) + channel[2].mul(channel[2]), length;
+      cv::sqrt(square / 3, length);
+      cv::blur(length, length, {kPatch, kPatch});
+      return length;
+    };
+    return cv::max(outside(a, b), outside(b, a));
+  }
+
+  // What differs through the depth that is known so far.
+  OddRegions look() {
+    Image8 colours(width_, height_, 3);
+    cv::Mat to = cvView(colours);
+    view_.colour.convertTo(to, CV_8U);
+    depth_ = completeDepth(matched_, colours);
+    if (!forgotten_.empty()) smoothDepth();
+    warped_.clear();
+    for (const Half& other : others_) {
+      Warped w = warped(other, depth_);
+      w.colour = alikeExposed(view_.colour, w.colour, looksLike(view_.colour, w.colour) & w.inside & view_.used);
+      w.differs = difference(view_.colour, w.colour);
+      warped_.push_back(std::move(w));
+    }
+    return regions(leastDifference());
+  }
+
+  // Whoever moved has no depth that two photographs could agree on: what was matched on him is chance, and would lead
+  // what is completed behind him astray.
+  void forget(const OddRegions& odd) {
+    forgotten_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
+    for (const OddRegion& region : odd.regions)
+      for (const OddPixel& p : region.pixels) forgotten_.at<std::uint8_t>(p.y, p.x) = 255;
+    cv::dilate(forgotten_, forgotten_, disc(kIsland));
+    cvView(matched_).setTo(kUnknownDepth, forgotten_);
+    known_.setTo(0, forgotten_);
+  }
+
+  // Behind him his own colours count for nothing: inverse depth is harmonic there, as it is on any plane.
+  void smoothDepth() {
+    std::vector<cv::Point> inside;
+    cv::findNonZero(forgotten_, inside);
+    const auto at = [&](int x, int y) {
+      return depth_.pixel(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1))[0];
+    };
+    for (int sweep = 0; sweep < kSmoothing; ++sweep)
+      for (const cv::Point p : inside) {
+        float& value = depth_.pixel(p.x, p.y)[0];
+        const float mean = (at(p.x - 1, p.y) + at(p.x + 1, p.y) + at(p.x, p.y - 1) + at(p.x, p.y + 1)) / 4;
+        value = std::max(value + kOverrelaxed * (mean - value), 0.0f);
+      }
+  }
+
+  // Where the view and another one look alike, the median of what they say.
+  ImageF matchedDepth() {
+    std::vector<ImageF> maps;
+    explained_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
+    known_ = explained_.clone();
+    for (const Half& other : others_) {
+      const Half* const both[]{&view_, &other};
+      auto [depth, step] = depthOf(both);
+      const Warped w = warped(other, depth);
+      cv::Mat alike = agreement(grey(view_.colour), grey(w.colour)).alike & w.inside & view_.used;
+      explained_ |= looksLike(view_.colour, w.colour) & w.inside;
+      cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(kIsland));
+      cvView(depth).setTo(kUnknownDepth, alike == 0);
+      const std::vector<bool> chance = speckles(depth, kSpeckleStep * step, int(kPiece * width_ * height_));
+      for (std::size_t p = 0; p < chance.size(); ++p)
+        if (chance[p]) depth.values[p] = kUnknownDepth;
+      known_ |= cvView(depth) != kUnknownDepth;
+      maps.push_back(std::move(depth));
+    }
+    return medianDepth(maps);
+  }
+
+  // From those that see the pixel, grey levels; 0 where nobody does.
+  cv::Mat leastDifference() const {
+    cv::Mat least(height_, width_, CV_32F, cv::Scalar(255)), any(height_, width_, CV_8U, cv::Scalar(0));
+    for (const Warped& w : warped_) {
+      const cv::Mat smaller = cv::min(least, w.differs);
+      smaller.copyTo(least, w.inside);
+      any |= w.inside;
+    }
+    least.setTo(0, (any == 0) | (view_.used == 0));
+    return least;
+  }
+
+  // What differs, a region at a time.
+  OddRegions regions(const cv::Mat& differs) const {
+    cv::Mat perhaps = differs >= kPerhaps;
+    cv::morphologyEx(perhaps, perhaps, cv::MORPH_OPEN, disc(kThin * width_));
+    cv::morphologyEx(perhaps, perhaps, cv::MORPH_CLOSE, disc(2 * kThin * width_));
+    cv::Mat label, stats, centre;
+    const int count = cv::connectedComponentsWithStats(perhaps, label, stats, centre);
+    OddRegions odd{width_, height_, {}, {}};
+    double all = 0;
+    for (int r = 1; r < count; ++r) {
+      const cv::Rect box(stats.at<int>(r, cv::CC_STAT_LEFT), stats.at<int>(r, cv::CC_STAT_TOP),
+                         stats.at<int>(r, cv::CC_STAT_WIDTH), stats.at<int>(r, cv::CC_STAT_HEIGHT));
+      const double area = stats.at<int>(r, cv::CC_STAT_AREA);
+      if (area < kSmall * width_ * height_ || area > kMost * width_ * height_) continue;
+      const cv::Mat region = label == r;
+      const double core = cv::countNonZero(region(box) & (differs(box) >= kSurely));
+      const double known = cv::countNonZero(region(box) & explained_(box));
+      if (core < kCore * area || known > kExplained * area) continue;
+      blame(region, box, perhaps, odd);
+      all += area;
+    }
+    if (all > kMost * width_ * height_) odd.regions.clear();  // hardly anything is alike: no judges
+    return odd;
+  }
+
+  // How unfamiliar a region is in the view, and in the other photograph where it is least so; where one of them sees
+  // it.
+  struct Comparison {
+    cv::Mat own, other, judged;
+    std::uint32_t best = 0;  // of `others`: agrees most around the region
+  };
+
+  static cv::Mat meanAround(const cv::Mat& values, const cv::Mat& where) {
+    cv::Mat weight, sum;
+    where.convertTo(weight, CV_32F, 1.0 / 255);
+    cv::blur(weight, weight, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
+    cv::blur(values, sum, {kBand, kBand}, {-1, -1}, cv::BORDER_CONSTANT);
+    return sum / cv::max(weight, 1e-6);
+  }
+
+  // `region`, `off`: what may be alike is not `off`; both within the box `at`.
+  Comparison compared(const cv::Mat& region, const cv::Mat& off, cv::Rect at) const {
+    Comparison result{cv::Mat(region.size(), CV_32F, cv::Scalar(0)), cv::Mat(region.size(), CV_32F, cv::Scalar(1e9)),
+                      cv::Mat(region.size(), CV_8U, cv::Scalar(0))};
+    double most = 0;
+    for (std::size_t j = 0; j < warped_.size(); ++j) {
+      const cv::Mat inside = warped_[j].inside(at), differs = warped_[j].differs(at);
+      const double agrees = agreesAround(region, differs, inside, known_(at));
+      const cv::Mat around = ~off & inside & (differs < kPerhaps) & known_(at);
+      if (agrees < kAgrees || cv::countNonZero(around) < kLeastAround) continue;
+      const std::array<cv::Mat, 2> both{view_.colour(at), warped_[j].colour(at)};
+      const cv::Mat seen = region & inside;
+      const cv::Mat own = meanAround(unfamiliarity(both[0], seen, both, around), seen);
+      const cv::Mat other = meanAround(unfamiliarity(both[1], seen, both, around), seen);
+      const cv::Mat less = seen & (other < result.other);
+      own.copyTo(result.own, less);
+      other.copyTo(result.other, less);
+      result.judged |= seen;
+      if (agrees > most) most = agrees, result.best = std::uint32_t(j);
+    }
+    return result;
+  }
+
+  // Whose a region is, or each of its parts.
+  void blame(const cv::Mat& region, cv::Rect box, const cv::Mat& differing, OddRegions& odd) const {
+    const int margin = std::max(kAround, std::max(box.width, box.height) / 2);
+    const cv::Rect at = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+                        cv::Rect(0, 0, width_, height_);
+    const cv::Mat here = region(at);
+    cv::Mat off;
+    cv::dilate(differing(at), off, disc(2));
+    const Comparison c = compared(here, off, at);
+    if (cv::countNonZero(c.judged) == 0) return;
+    const cv::Mat mine = c.judged & (c.own > kStranger * c.other + kNoise);
+    const cv::Mat theirs = c.judged & (c.other > kStranger * c.own + kNoise);
+    const std::vector<cv::Mat> own = parts(here & ~theirs, mine, c.judged),
+                               others = parts(here & ~mine, theirs, c.judged);
+    for (const cv::Mat& part : own) {
+      cv::Mat all(height_, width_, CV_8U, cv::Scalar(0)), mask(height_, width_, CV_8U, cv::Scalar(255));
+      part.copyTo(all(at));
+      mask.setTo(0, all);
+      goOn(all, cv::boundingRect(all), mask);
+      add(mask == 0, {}, {Blame::own, 0, {}}, odd);
+    }
+    for (const cv::Mat& part : others) add(part, at.tl(), {Blame::another, c.best, {}}, odd);
+    if (own.empty() && others.empty()) add(here, at.tl(), {}, odd);
+  }
+
+  // Connected parts of `perhaps` that are `surely` in a good share.
+  std::vector<cv::Mat> parts(const cv::Mat& perhaps, const cv::Mat& surely, const cv::Mat& judged) const {
+    std::vector<cv::Mat> result;
+    cv::Mat label, opened;
+    cv::morphologyEx(perhaps, opened, cv::MORPH_OPEN, disc(kThin * width_));
+    const int count = cv::connectedComponents(opened, label);
+    for (int p = 1; p < count; ++p) {
+      const cv::Mat part = label == p;
+      const double area = cv::countNonZero(part);
+      if (area >= kSmall * width_ * height_ && cv::countNonZero(part & surely) >= kSure * area &&
+          cv::countNonZero(part & judged) >= kSeen * area)
+        result.push_back(part);
+    }
+    return result;
+  }
+
+  void add(const cv::Mat& region, cv::Point at, OddRegion result, OddRegions& odd) const {
+    for (int y = 0; y < region.rows; ++y)
+      for (int x = 0; x < region.cols; ++x)
+        if (region.at<std::uint8_t>(y, x))
+          result.pixels.push_back(
+              {std::uint16_t(at.x + x), std::uint16_t(at.y + y), depth_.pixel(at.x + x, at.y + y)[0]});
+    odd.regions.push_back(std::move(result));
+  }
+
+  // Whoever reaches into what nobody else sees goes on there as far as colours say (Rother, Kolmogorov & Blake 2004,
+  // GrabCut): half of him would be worse than all.
+  void goOn(const cv::Mat& region, cv::Rect box, cv::Mat& mask) const {
+    const cv::Rect whole(0, 0, width_, height_);
+    box = cv::Rect(box.x - box.width / 2, box.y - box.height, 2 * box.width, 3 * box.height) & whole;
+    cv::Mat unseen(box.size(), CV_8U, cv::Scalar(255)), near, fate(box.size(), CV_8U, cv::Scalar(cv::GC_BGD));
+    for (const Warped& w : warped_) unseen.setTo(0, w.inside(box));
+    const cv::Mat here = region(box);
+    cv::dilate(here, near, disc(kBand));
+    if (cv::countNonZero(unseen & near) < kBand) return;
+    fate.setTo(cv::GC_PR_BGD, unseen | near);
+    fate.setTo(cv::GC_FGD, here);
+    if (cv::countNonZero(fate == cv::GC_BGD) < kBand * kBand) return;
+    cv::Mat colours, background, foreground, label;
+    view_.colour(box).convertTo(colours, CV_8U);
+    cv::theRNG().state = 1;  // the same from any thread
+    cv::grabCut(colours, fate, {}, background, foreground, 3, cv::GC_INIT_WITH_MASK);
+    const cv::Mat his = (fate == cv::GC_FGD) | ((fate == cv::GC_PR_FGD) & (unseen | near));
+    const int parts = cv::connectedComponents(his, label);
+    for (int p = 1; p < parts; ++p)
+      if (cv::countNonZero((label == p) & here) > 0) mask(box).setTo(0, label == p);
+  }
+
+  // Share of what another one sees around a region that it shows alike; 0 where hardly anything is known of the place.
+  static double agreesAround(const cv::Mat& region, const cv::Mat& differs, const cv::Mat& inside,
+                             const cv::Mat& known) {
+    cv::Mat near, far;
+    cv::dilate(region, near, disc(2));
+    cv::dilate(region, far, disc(kBand));
+    const cv::Mat around = far & ~near & inside;
+    const double all = std::max(cv::countNonZero(around), 1);
+    if (cv::countNonZero(around & known) < kKnown * all) return 0;
+    return cv::countNonZero(around & (differs < kPerhaps)) / all;
+  }
+
+  Half view_;
+  Camera frame_;
+  std::span<const glm::dvec3> points_;
+  std::vector<Half> others_;
+  int width_ = 0, height_ = 0;
+  ImageF matched_, depth_;      // inverse depth; completed
+  std::vector<Warped> warped_;  // others, through the completed depth
+  cv::Mat explained_;           // 255: looks like another one at some depth
+  cv::Mat known_;               // 255: its depth was not completed
+  cv::Mat forgotten_;           // 255: nor may it be known
+};
+
+}  // namespace
+
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points) {
+  return Judge(view, others, points).run();
+}
+
+}  // namespace ibr

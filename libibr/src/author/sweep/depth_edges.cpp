@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+
+#include "author/sweep/depth_edges.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "author/photographs/masks.h"
+#include "author/geometry/match_view.h"
+#include "author/geometry/mean_frame.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kFattened = 4;         // px: the sweep's window and what smoothing adds
+constexpr float kEdge = 3.0f;        // levels
+constexpr float kBorder = 8.0f;      // grey levels between neighbours: an edge of the picture
+constexpr float kAsWell = 1.1f;      // of the foreground's difference, and …
+constexpr float kNoise = 0.25f;      // … grey levels more
+constexpr float kBetter = 0.7f;      // of it
+constexpr int kRadius = 2;           // px of the window
+constexpr float kColour = 10.0f;     // grey levels that divide a pixel's weight by e
+constexpr float kDifferent = 25.0f;  // grey levels: more is not more different
+
+float meanOf(std::span<const float> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0f) / float(std::max(values.size(), std::size_t(1)));
+}
+
+// Behind a silhouette one member may see the foreground: the value that is farthest from the mean does not count.
+std::span<float> withoutOutlier(std::span<float> values) {
+  const float mean = meanOf(values);
+  std::swap(*std::ranges::max_element(values, {}, [&](float v) { return std::abs(v - mean); }), values.back());
+  return values.first(values.size() - 1);
+}
+
+class PhotoConsistency {
+ public:
+  PhotoConsistency(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range)
+      : views_(views), range_(range) {
+    for (const SweepView& view : views) maps_.push_back(frameToMember(frame, view.camera));
+  }
+
+  // How much members differ about the pixel if it has this level: grey levels.
+  float difference(int x, int y, float level) const {
+    const double inverseDepth = range_.at(double(level));
+    const Seen centre = seen(x, y, inverseDepth);
+    float total = 0, weight = 0;
+    for (int v = y - kRadius; v <= y + kRadius; ++v)
+      for (int u = x - kRadius; u <= x + kRadius; ++u) {
+        const Seen here = seen(u, v, inverseDepth);
+        if (here.members == 0) continue;
+        const float alike = std::exp(-std::abs(here.mean - centre.mean) / kColour);
+        total += alike * here.difference;
+        weight += alike;
+      }
+    return weight > 0 ? total / weight : kDifferent;
+  }
+
+ private:
+  struct Seen {
+    int members = 0;
+    float mean = 0, difference = 0;
+  };
+
+  Seen seen(int x, int y, double inverseDepth) const {
+    std::array<float, kMostMembers> value;
+    Seen result;
+    for (std::size_t i = 0; i < maps_.size(); ++i) {
+      const ImageF& grey = views_[i].grey;
+      const auto at = maps_[i]({x + 0.5, y + 0.5}, inverseDepth);
+      if (!at || !(at->x >= 0.5 && at->y >= 0.5 && at->x < grey.width - 0.5 && at->y < grey.height - 0.5)) continue;
+      if (isIgnored(views_[i].mask, *at)) continue;
+      const auto px = float(at->x - 0.5), py = float(at->y - 0.5);
+      const int ix = std::min(int(px), grey.width - 2), iy = std::min(int(py), grey.height - 2);
+      const float fx = px - float(ix), fy = py - float(iy);
+      const float* const p = &grey.values[std::size_t(iy) * std::size_t(grey.width) + std::size_t(ix)];
+      const float top = p[0] + fx * (p[1] - p[0]);
+      const float low = p[grey.width] + fx * (p[grey.width + 1] - p[grey.width]);
+      value[std::size_t(result.members++)] = top + fy * (low - top);
+    }
+    if (result.members < 2) return {};
+    std::span<float> members = std::span(value).first(std::size_t(result.members));
+    if (members.size() >= 3) members = withoutOutlier(members);
+    result.mean = meanOf(members);
+    for (const float v : members)
+      result.difference += std::min(std::abs(v - result.mean), kDifferent) / float(members.size());
+    return result;
+  }
+
+  std::span<const SweepView> views_;
+  const SweepLevels& range_;
+  std::vector<FrameToMember> maps_;
+};
+
+}  // namespace
+
+void trimForegrounds(const Camera& frame, std::span<const SweepView> views, const SweepLevels& range,
+                     const ImageF& guide, ImageF& level) {
+  const PhotoConsistency consistency(frame, views, range);
+  // The farthest of the neighbours' levels that the pixel may have.
+  const auto trimmed = [&](const ImageF& before, int x, int y) {
+    const float here = before.pixel(x, y)[0];
+    float best = here;
+    std::optional<float> own;
+    for (const auto& [u, v] : {std::pair{x - 1, y}, {x + 1, y}, {x, y - 1}, {x, y + 1}}) {
+      if (u < 0 || v < 0 || u >= before.width || v >= before.height) continue;
+      const float there = before.pixel(u, v)[0];
+      if (there > here - kEdge || there >= best) continue;
+      const bool border = std::abs(guide.pixel(u, v)[0] - guide.pixel(x, y)[0]) > kBorder;
+      if (!own) own = consistency.difference(x, y, here);
+      const float behind = consistency.difference(x, y, there);
+      if (border ? behind <= kBetter * *own : behind <= kAsWell * *own + kNoise) best = there;
+    }
+    return best;
+  };
+  for (int round = 0; round < kFattened; ++round) {
+    const ImageF before = level;
+    for (int y = 0; y < level.height; ++y)
+      for (int x = 0; x < level.width; ++x) level.pixel(x, y)[0] = trimmed(before, x, y);
+  }
+}
+
+}  // namespace ibr

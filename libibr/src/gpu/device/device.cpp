@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/device.h"
+
+#include <fmt/ranges.h>
+
+#include <optional>
+#include <utility>
+
+#include "base/check.h"
+#include "gpu/device/device_choice.h"
+#include "gpu/device/instance.h"
+#include "gpu/device/pipeline_cache.h"
+#include "gpu/device/shader_replacements.h"
+#include "gpu/device/vulkan.h"
+
+namespace ibr {
+
+struct Device::State {
+  explicit State(LogCallback log) : messages(std::move(log)) {}
+  State(const DeviceOptions& options, std::span<const std::string> extensions)
+      : messages(options.log), owned(extensions, options.validation, messages), instance(owned.get()) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (!owned.get() || !device) return;
+    vkDeviceWaitIdle(device);  // a lost device is idle too
+    ownedCache.reset();
+    vkDestroyDevice(device, nullptr);
+  }
+
+  void describeDevice() {
+    vkGetPhysicalDeviceProperties(physicalDevice, &properties);
+    vkGetPhysicalDeviceMemoryProperties(physicalDevice, &memory);
+    const DeviceDescription description = describe(physicalDevice);
+    name = fmt::format("{}, {}", description.name, description.driver);
+  }
+
+  Messages messages;
+  Instance owned;  // null where the instance is borrowed
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t queueFamily = 0;
+  std::mutex* queueMutex = nullptr;
+  const std::atomic<std::uint64_t>* validationMessages = &messages.validationMessages();  // or the caller's
+  std::optional<PipelineCache> ownedCache;
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;  // its, or a borrowed one
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  DeviceFeatures features;  // enabled, as far as is known of an adopted device
+  std::string name;
+  ShaderReplacements shaders;
+  std::atomic<bool> lost = false;
+};
+
+Device Device::create(const DeviceOptions& options) {
+  DeviceRequirements requirements = Device::requirements();
+  std::vector<std::string> instanceExtensions = requirements.instanceExtensions;
+  instanceExtensions.insert(instanceExtensions.end(), options.instanceExtensions.begin(),
+                            options.instanceExtensions.end());
+  auto state = std::make_unique<State>(options, instanceExtensions);
+  const std::vector<VkPhysicalDevice> devices = physicalDevices(state->instance);
+  std::vector<DeviceDescription> descriptions;
+  for (const VkPhysicalDevice device : devices) descriptions.push_back(describe(device, options.deviceExtensions));
+  state->physicalDevice = devices[choose(descriptions, options.device)];
+  state->queueFamily = ibr::queueFamily(state->physicalDevice).value();
+  state->describeDevice();
+
+  std::vector<const char*> extensions;
+  for (const std::string& name : requirements.deviceExtensions) extensions.push_back(name.c_str());
+  for (const std::string& name : options.deviceExtensions) extensions.push_back(name.c_str());
+  DeviceFeatures features = requirements.features;
+  addOptionalFeatures(state->physicalDevice, features, options.disabledFeatures);
+  state->features = features;
+  const float priority = 1.0f;
+  const VkDeviceQueueCreateInfo queueInfo{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                          .queueFamilyIndex = state->queueFamily,
+                                          .queueCount = 1,
+                                          .pQueuePriorities = &priority};
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = features.link(),
+                                .queueCreateInfoCount = 1,
+                                .pQueueCreateInfos = &queueInfo,
+                                .enabledExtensionCount = std::uint32_t(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data()};
+  vk(vkCreateDevice(state->physicalDevice, &info, nullptr, &state->device), "vkCreateDevice");
+  vkGetDeviceQueue(state->device, state->queueFamily, 0, &state->queue);
+  state->ownedCache.emplace(state->device, state->properties, options.pipelineCache, state->messages);
+  state->pipelineCache = state->ownedCache->get();
+  state->messages.send(LogLevel::info, fmt::format("Vulkan device: {}", state->name));
+  return Device(std::move(state));
+}
+
+Device Device::adopt(const DeviceHandles& handles) {
+  check(handles.instance && handles.physicalDevice && handles.device && handles.queue, ErrorCode::invalidInput,
+        "a device cannot be adopted: {} is null",
+        !handles.instance         ? "instance"
+        : !handles.physicalDevice ? "physicalDevice"
+        : !handles.device         ? "device"
+                                  : "queue");
+  DeviceDescription description = describe(handles.physicalDevice);
+  for (std::string& lack : lackingOfQueueFamily(handles.physicalDevice, handles.queueFamily))
+    description.lacking.push_back(std::move(lack));
+  // What was enabled cannot be asked, but a device made for an older version of Vulkan has no such function.
+  if (description.lacking.empty() && !vkGetDeviceProcAddr(handles.device, "vkCmdPipelineBarrier2"))
+    description.lacking.push_back("Vulkan 1.3, as it was created");
+  check(description.lacking.empty(), ErrorCode::unsupported, "the device '{}' cannot be adopted: it lacks {}",
+        description.name, fmt::join(description.lacking, ", "));
+
+  auto state = std::make_unique<State>(handles.log);
+  state->instance = handles.instance;
+  state->physicalDevice = handles.physicalDevice;
+  state->device = handles.device;
+  state->queue = handles.queue;
+  state->queueFamily = handles.queueFamily;
+  state->queueMutex = handles.queueMutex;
+  if (handles.validationMessages) state->validationMessages = handles.validationMessages;
+  state->pipelineCache = handles.pipelineCache;
+  state->features = handles.optionalFeatures;
+  removeFeatures(state->features);
+  state->describeDevice();
+  state->messages.send(LogLevel::info, fmt::format("Vulkan device, adopted: {}", state->name));
+  return Device(std::move(state));
+}
+
+std::vector<DeviceDescription> Device::list() {
+  Messages messages{LogCallback()};
+  try {
+    const Instance instance({}, false, messages);
+    std::vector<DeviceDescription> descriptions;
+    for (const VkPhysicalDevice device : physicalDevices(instance.get())) descriptions.push_back(describe(device));
+    return descriptions;
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::unsupported) return {};  // no driver
+    throw;
+  }
+}
+
+Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Device::Device(Device&&) noexcept = default;
+Device& Device::operator=(Device&&) noexcept = default;
+Device::~Device() = default;
+
+VkInstance Device::instance() const noexcept {
+  return state_->instance;
+}
+VkPhysicalDevice Device::physicalDevice() const noexcept {
+  return state_->physicalDevice;
+}
+VkDevice Device::handle() const noexcept {
+  return state_->device;
+}
+VkQueue Device::queue() const noexcept {
+  return state_->queue;
+}
+std::uint32_t Device::queueFamily() const noexcept {
+  return state_->queueFamily;
+}
+std::mutex* Device::queueMutex() const noexcept {
+  return state_->queueMutex;
+}
+VkPipelineCache Device::pipelineCache() const noexcept {
+  return state_->pipelineCache;
+}
+const VkPhysicalDeviceProperties& Device::properties() const noexcept {
+  return state_->properties;
+}
+const VkPhysicalDeviceMemoryProperties& Device::memoryProperties() const noexcept {
+  return state_->memory;
+}
+bool Device::samplesBlocks() const noexcept {
+  return state_->features.core.features.textureCompressionBC;
+}
+bool Device::counts64Bits() const noexcept {
+  return state_->features.core.features.shaderInt64;
+}
+bool Device::countsTogether64Bits() const noexcept {
+  return counts64Bits() && state_->features.vulkan12.shaderBufferInt64Atomics;
+}
+bool Device::drawsViewsTogether() const noexcept {
+  return state_->features.vulkan11.multiview;
+}
+std::string Device::name() const {
+  return state_->name;
+}
+bool Device::isLost() const noexcept {
+  return state_->lost;
+}
+
+void Device::lose() const noexcept {
+  state_->lost = true;
+}
+
+std::uint64_t Device::validationMessages() const noexcept {
+  return *state_->validationMessages;
+}
+std::uint64_t Device::shaderGeneration() const noexcept {
+  return state_->shaders.generation;
+}
+
+ShaderReplacements& shaderReplacements(Device& device) noexcept {
+  return device.state_->shaders;
+}
+const ShaderReplacements& shaderReplacements(const Device& device) noexcept {
+  return device.state_->shaders;
+}
+
+}  // namespace ibr

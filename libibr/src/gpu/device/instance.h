@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// A Vulkan instance of our own.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "gpu/device/validation.h"
+
+namespace ibr {
+
+class Instance {
+ public:
+  /// Null, as for a borrowed device.
+  Instance() = default;
+  /// Debug utils are enabled where there are such. With validation as gpu/device/validation.h has it, errors and warnings to
+  /// `messages`, which must outlive the instance. Throws Error{unsupported} that names what is missing: a driver, the
+  /// layer, an extension.
+  Instance(std::span<const std::string> extensions, bool validation, Messages& messages);
+
+  VkInstance get() const noexcept { return instance_.get(); }
+
+ private:
+  struct Destroy {
+    void operator()(VkInstance instance) const noexcept { vkDestroyInstance(instance, nullptr); }
+  };
+  std::unique_ptr<VkInstance_T, Destroy> instance_;
+  std::optional<Messenger> messenger_;
+};
+
+}  // namespace ibr

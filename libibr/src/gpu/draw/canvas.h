@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The working image: display-encoded RGBA8 and D32F depth; or two of them, layers of one pass with a view each.
+//
+// Drawn with a VkRenderPass and not by dynamic rendering, because the validation layer of Debian 12 (1.3.239) sees
+// hazards of attachments only there.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <array>
+#include <vector>
+
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/device/handle.h"
+#include "ibr/device.h"
+
+namespace ibr {
+
+/// Synchronisation: between begin and end the pass has the images for itself. It waits for the draws of the frame
+/// before and for all reads in fragment and compute shaders or by transfers that were submitted earlier to the same
+/// queue, so one canvas serves any number of frames in flight. After `end` both images are in use::kSampled: reads by
+/// fragment shaders need no further barrier, others go through transition(…, use::kSampled, …).
+class Canvas {
+ public:
+  static constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
+  static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+
+  /// `furtherUse`: of the colour image, beyond drawing, sampling and being copied from. `layers`: with 2, every draw
+  /// goes into both, with gl_ViewIndex 0 and 1 (VK_KHR_multiview).
+  Canvas(const Device& device, VkExtent2D largest, VkImageUsageFlags furtherUse = 0, std::uint32_t layers = 1);
+
+  VkRenderPass renderPass() const noexcept { return renderPass_.get(); }  // subpass 0: one colour attachment and depth
+  VkExtent2D largest() const noexcept { return colour_.info().extent; }
+
+  /// Begins the pass on the corner [0, extent) of the canvas, colour cleared to `clear` and depth to 1; what lies
+  /// outside becomes undefined. `extent` is at most `largest`. Viewport and scissor are the caller's to set.
+  void begin(VkCommandBuffer commands, VkExtent2D extent, const std::array<float, 4>& clear) const noexcept;
+  void end(VkCommandBuffer commands) const noexcept;
+
+  VkImage colour() const noexcept { return colour_.get(); }
+  VkImageView colourView(std::uint32_t layer = 0) const noexcept { return viewOf(colour_, layer, 0); }
+  VkImage depth() const noexcept { return depth_.get(); }
+  VkImageView depthView(std::uint32_t layer = 0) const noexcept { return viewOf(depth_, layer, 1); }
+  VkDeviceSize bytes() const noexcept {  // of texels
+    return VkDeviceSize(8) * colour_.info().layers * largest().width * largest().height;
+  }
+  VkDeviceSize allocatedBytes() const noexcept { return colour_.allocatedBytes() + depth_.allocatedBytes(); }
+
+ private:
+  VkImageView viewOf(const GpuImage& image, std::uint32_t layer, std::size_t which) const noexcept {
+    return layerViews_.empty() ? image.view() : layerViews_[2 * layer + which].get();
+  }
+
+  GpuImage colour_, depth_;
+  std::vector<ImageViewHandle> layerViews_;  // where there are two: colour, depth, colour, depth
+  RenderPassHandle renderPass_;
+  FramebufferHandle framebuffer_;
+};
+
+}  // namespace ibr

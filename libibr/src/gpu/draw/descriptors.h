@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Descriptor sets that are written once, when their owner is made.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <span>
+
+#include "gpu/device/handle.h"
+#include "ibr/device.h"
+
+namespace ibr {
+
+/// A pool for `sets` sets in all. Sets go with their pool.
+DescriptorPoolHandle makeDescriptorPool(const Device& device, std::uint32_t sets,
+                                        std::span<const VkDescriptorPoolSize> sizes);
+
+VkDescriptorSet allocateSet(const Device& device, VkDescriptorPool pool, VkDescriptorSetLayout layout);
+
+/// The whole buffer. The set is not in use by the device.
+void writeStorageBuffer(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkBuffer buffer);
+
+/// An image in use::kSampled.
+void writeSampledImage(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkSampler sampler,
+                       VkImageView view);
+
+}  // namespace ibr

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/passes/cell_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <span>
+#include <vector>
+
+#include "gpu/transfer/barrier.h"
+#include "gpu/draw/descriptors.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/transfer/upload.h"
+#include "image/blue_noise.h"
+#include "render/passes/cell_parameters.h"
+#include "render/resident/gpu_scene_state.h"
+#include "shaders/cell_frag.h"
+#include "shared/cell.h"
+
+namespace ibr {
+CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPass, const RendererOptions& options,
+                   const Requirements& requirements, VkBuffer colourTables, VkRenderPass eyesPass)
+    : scene_(&scene.state()),
+      views_(options.views),
+      steps_(requirements.steps),
+      mixes_(requirements.switchMixing),
+      mayMap_(colourTables != VK_NULL_HANDLE) {
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  const std::uint32_t parameters = firstParameter(mixes_ ? Order::former : Order::current, views_);
+  parameters_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellParameters), kUsage, MemoryKind::device,
+                       "cell parameters");
+  if (requirements.gains)
+    exposures_ = Buffer(device, std::max(parameters, 1u) * sizeof(shader::CellExposure), kUsage, MemoryKind::device,
+                        "exposures");
+  if (requirements.noise) {
+    const std::vector<std::uint16_t> ranks = blueNoise(shader::kNoiseSize, 1);
+    const std::vector<std::uint32_t> noise(ranks.begin(), ranks.end());
+    noise_ = Buffer(device, noise.size() * sizeof(std::uint32_t), kUsage, MemoryKind::device, "blue noise");
+    uploadBuffer(device, noise_, 0, std::as_bytes(std::span(noise)));
+  }
+
+  constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+  const std::array<VkDescriptorSetLayoutBinding, 4> bindings{{
+      {shader::kBindingParameters, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr},
+      {shader::kBindingNoise, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+      {shader::kBindingFrameTables, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+      {shader::kBindingExposures, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr},
+  }};
+  frameLayout_ = makeSetLayout(device, bindings);
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, std::uint32_t(bindings.size())};
+  pool_ = makeDescriptorPool(device, 1, {&size, 1});
+  frameSet_ = allocateSet(device, pool_.get(), frameLayout_.get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingParameters, parameters_.get());
+  // A set is complete or not usable; what no pipeline reads may be anything.
+  writeStorageBuffer(device, frameSet_, shader::kBindingNoise, (requirements.noise ? noise_ : parameters_).get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingFrameTables, mayMap_ ? colourTables : parameters_.get());
+  writeStorageBuffer(device, frameSet_, shader::kBindingExposures,
+                     (requirements.gains ? exposures_ : parameters_).get());
+
+  const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->sets.layout()};
+  layout_ = makePipelineLayout(device, layouts, {});
+  const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
+    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
+      for (const bool depth : {false, true})
+        for (const bool mapped : {false, true})
+          for (const bool eyes : {false, true}) {
+            const Key key{variant, depth, mapped, eyes};
+            if ((mapped && !mayMap_) || (eyes && !eyesPass)) continue;
+            if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
+            CellPipelineInfo info{"cells", shaders::cell_frag, layout_.get(), renderPass, depth, mapped};
+            if (eyes) {
+              info.renderPass = eyesPass;
+              info.vertices = CellVertices::forBothEyes;
+              info.viewStride = steps_;
+            }
+            pipelines_.emplace(key, makeCellPipeline(device, variant, info));
+          }
+  };
+  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, options.dissolve);
+  for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, options.dissolve);
+}
+
+std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
+  return steps_ * (views_ * std::uint32_t(order) + std::uint32_t(view));
+}
+
+bool CellPass::isPainters(const RenderSettings& settings) const noexcept {
+  return settings.order == DrawOrder::paper || (mayMap_ && (settings.colourMapping == ColourMapping::paper ||
+                                                            settings.colourMapping == ColourMapping::paperRedraw));
+}
+
+bool CellPass::isMapped(const FramePlan& plan, const Step& step) const noexcept {
+  // Most of a picture is the main cell, whose table is the identity but for a second after a switch.
+  const bool isIdentity = step.table == kColourSlotCount ||
+                          (!plan.colour.mainMapped && !plan.cells.empty() && step.table == plan.cells[0].colourSlot);
+  return mayMap_ && plan.settings.colourMapping != ColourMapping::off && !isIdentity;
+}
+
+VkPipeline CellPass::pipeline(const FramePlan& plan, const Step& step, bool eyes) const noexcept {
+  const Key key{variantOf(step, plan.settings.blend), !isPainters(plan.settings), isMapped(plan, step), eyes};
+  return pipelines_.at(key).get();
+}
+
+void CellPass::update(VkCommandBuffer commandBuffer, const FramePlan& plan) const noexcept {
+  // The data travels inside the command buffer, so any number of frames may be recorded ahead, or never be submitted.
+  bufferBarrier(commandBuffer, use::kShaderRead, use::kTransferWrite);
+  for (const Order order : {Order::current, Order::former})
+    for (std::size_t view = 0; view < plan.views.size(); ++view) {
+      if (order == Order::former && (!mixes_ || plan.formerWeight <= 0)) continue;
+      const Steps steps = stepsOf(*scene_, plan, order, view);
+      assert(steps.count <= steps_);
+      const auto write = [&]<class Parameters>(const Buffer& buffer, const Parameters& parametersOf) {
+        using Value = decltype(parametersOf(steps.step[0]));
+        constexpr std::uint32_t kAtOnce = 65536 / sizeof(Value);
+        std::array<Value, kAtOnce> chunk;
+        for (std::uint32_t first = 0; first < steps.count; first += kAtOnce) {
+          const std::uint32_t count = std::min(kAtOnce, steps.count - first);
+          for (std::uint32_t s = 0; s < count; ++s) chunk[s] = parametersOf(steps.step[first + s]);
+          vkCmdUpdateBuffer(commandBuffer, buffer.get(), (firstParameter(order, view) + first) * sizeof(Value),
+                            count * sizeof(Value), chunk.data());
+        }
+      };
+      write(parameters_, [&](const Step& step) { return cellParameters(plan, view, step); });
+      if (exposures_.size() > 0) write(exposures_, [&](const Step& step) { return cellExposure(plan, step); });
+    }
+  bufferBarrier(commandBuffer, use::kTransferWrite, use::kShaderRead);
+}
+
+void CellPass::draw(VkCommandBuffer commandBuffer, const FramePlan& plan, Order order, std::size_t view,
+                    VkExtent2D extent) const noexcept {
+  bind(commandBuffer, layout_.get());
+  eachStep(commandBuffer, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step));
+    drawStep(commandBuffer, layout_.get(), step, parameter);
+  });
+}
+
+void CellPass::drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept {
+  bind(commandBuffer, layout_.get());
+  // The second view's parameters lie steps_ behind the first's, and the vertex stage knows.
+  eachStep(commandBuffer, plan, Order::current, 0, extent, [&](const Step& step, std::uint32_t parameter) {
+    vkCmdBindPipeline(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline(plan, step, true));
+    drawStep(commandBuffer, layout_.get(), step, parameter);
+  });
+}
+
+void CellPass::bind(VkCommandBuffer commandBuffer, VkPipelineLayout layout) const noexcept {
+  vkCmdBindIndexBuffer(commandBuffer, scene_->indices.get(), 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetFrame, 1, &frameSet_, 0,
+                          nullptr);
+}
+
+void CellPass::drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, const Step& step,
+                        std::uint32_t parameter) const noexcept {
+  vkCmdBindDescriptorSets(commandBuffer, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, shader::kSetCell, 1,
+                          &step.mesh->photographs, 0, nullptr);
+  const VkBuffer vertices = scene_->vertices.get();
+  vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
+  vkCmdDrawIndexed(commandBuffer, step.range.indexCount, 1, step.range.firstIndex, 0,
+                   parameter);  // the instance finds the parameters
+}
+
+}  // namespace ibr

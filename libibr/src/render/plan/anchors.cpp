@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Inside a triangle (q_i, ρ) is Σ β_v (q_i, ρ)_v with β ≥ 0, and member i sees it along Σ β_v q_i,v: so β is, up to a
+// factor, the photograph's ray in the basis of the corners' q_i. The same for pinholes and panoramas.
+#include "render/plan/anchors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "render/plan/vertex.h"
+
+namespace ibr {
+namespace {
+
+glm::dvec2 pixelOf(const Intrinsics& k, glm::uvec2 place) {
+  return (glm::dvec2(place) + 0.5) / double(kAnchorSide) * glm::dvec2(k.width, k.height);
+}
+
+// Places of the photograph within a triangle's box: from, and before. None for one that spans more than half of a
+// panorama, as those across its seam do.
+std::array<glm::uvec2, 2> placesIn(const Intrinsics& k, const std::array<glm::vec2, 3>& corners) {
+  const glm::dvec2 size(k.width, k.height), low = glm::min(glm::min(corners[0], corners[1]), corners[2]),
+                                            high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
+  if (k.model == CameraModel::equirectangular && high.x - low.x > 0.5 * size.x) return {};
+  const auto at = [&](glm::dvec2 pixel, double add) {
+    return glm::uvec2(glm::clamp(glm::ceil(pixel / size * double(kAnchorSide) - 0.5) + add, 0.0, double(kAnchorSide)));
+  };
+  return {at(low, 0), at(high, 1)};
+}
+
+// The nearest surface at each place of one photograph.
+class Lookup {
+ public:
+  Lookup(const Scene& scene, const Cell& mesh, std::size_t member)
+      : scene_(scene), mesh_(mesh), member_(member), k_(scene.nodes[mesh.members[member]].camera.intrinsics) {}
+
+  void add(glm::uvec3 triangle) {
+    glm::dmat3 corners;
+    for (int v = 0; v < 3; ++v) corners[v] = memberPoint(scene_, mesh_, member_, triangle[v]);
+    const auto& match = mesh_.mesh.match[member_];
+    const auto [from, end] = placesIn(k_, {match[triangle.x], match[triangle.y], match[triangle.z]});
+    if (from.x >= end.x || from.y >= end.y) return;
+    const glm::dmat3 toCorners = glm::inverse(corners);
+    for (std::uint32_t y = from.y; y < end.y; ++y)
+      for (std::uint32_t x = from.x; x < end.x; ++x) {
+        const glm::dvec3 share = toCorners * unproject(k_, pixelOf(k_, {x, y}));
+        const double sum = share.x + share.y + share.z;
+        if (share.x >= 0 && share.y >= 0 && share.z >= 0 && sum > 0 && std::isfinite(sum))
+          keep(y * kAnchorSide + x, triangle, share / sum);
+      }
+  }
+
+  void moveTo(std::vector<CellBounds::Anchor>& anchors) const {
+    for (std::uint32_t place = 0; place < nearness_.size(); ++place)
+      if (nearness_[place] >= 0) anchors.push_back({mesh_.members[member_], place, found_[place]});
+  }
+
+ private:
+  void keep(std::uint32_t place, glm::uvec3 triangle, glm::dvec3 share) {
+    double inverseDistance = 0;
+    glm::dvec3 along(0.0);
+    for (int v = 0; v < 3; ++v) {
+      inverseDistance += share[v] * double(mesh_.mesh.inverseDistance[triangle[v]]);
+      along += share[v] * memberPoint(scene_, mesh_, member_, triangle[v]);
+    }
+    const double nearness = inverseDistance / glm::length(along);
+    if (!(nearness > nearness_[place])) return;
+    nearness_[place] = nearness;
+    CellBounds::Corner& point = found_[place] = {};
+    point.inverseDistance = float(inverseDistance);
+    for (std::size_t i = 0; i < mesh_.members.size(); ++i)
+      for (int v = 0; v < 3; ++v) point.point[i] += glm::vec3(share[v] * memberPoint(scene_, mesh_, i, triangle[v]));
+  }
+
+  const Scene& scene_;
+  const Cell& mesh_;
+  std::size_t member_;
+  const Intrinsics& k_;
+  std::vector<double> nearness_ = std::vector<double>(kAnchorSide * kAnchorSide, -1);  // 1 / distance; −1: no surface
+  std::vector<CellBounds::Corner> found_{kAnchorSide * kAnchorSide};
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> meshesOfNodes(const Scene& scene) {
+  std::vector<std::uint32_t> count(scene.nodes.size(), 0);
+  for (const auto* meshes : {&scene.cells, &scene.backdrops})
+    for (const Cell& mesh : *meshes)
+      for (const std::uint32_t node : mesh.members) ++count[node];
+  return count;
+}
+
+std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& mesh,
+                                          std::span<const std::uint32_t> meshesOfNode) {
+  std::vector<std::size_t> members;
+  for (std::size_t i = 0; i < mesh.members.size(); ++i)
+    if (meshesOfNode[mesh.members[i]] > 1) members.push_back(i);
+  std::ranges::sort(members, {}, [&](std::size_t i) { return mesh.members[i]; });
+  std::vector<bool> usable(members.empty() ? 0 : mesh.mesh.pointCount());
+  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, mesh, p);
+  std::vector<CellBounds::Anchor> anchors;
+  for (const std::size_t member : members) {
+    Lookup lookup(scene, mesh, member);
+    for (std::size_t t = 0; t < mesh.mesh.triangles.size(); ++t) {
+      const glm::uvec3 v = mesh.mesh.triangles[t];
+      if (mesh.mesh.tier[t] == kTierAgrees && usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
+    }
+    lookup.moveTo(anchors);
+  }
+  return anchors;
+}
+
+const AnchorsOnDemand::OfMeshes& AnchorsOnDemand::of(const Scene& scene) {
+  std::call_once(once_, [&] {
+    const std::vector<std::uint32_t> meshesOfNode = meshesOfNodes(scene);
+    for (const Cell& cell : scene.cells) all_.cells.push_back(anchorsOf(scene, cell, meshesOfNode));
+    for (const Cell& backdrop : scene.backdrops) all_.backdrops.push_back(anchorsOf(scene, backdrop, meshesOfNode));
+  });
+  return all_;
+}
+
+}  // namespace ibr

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/plan/cell_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "render/plan/alignment_fit.h"
+#include "render/plan/anchors.h"
+#include "render/plan/correction.h"
+
+namespace ibr {
+namespace {
+
+constexpr double kRegularisation = 1e-3;  // κ
+constexpr double kLeastAngle = 1e-6;  // radians: less is nothing, so that exact scenes stay as they are to the last bit
+constexpr std::size_t kLeastPairs = 8;
+
+using Anchors = std::span<const CellBounds::Anchor>;
+using Sights = std::vector<Sight>;
+
+// Where a mesh's anchors are seen from the eye.
+Sights sightsOf(const Scene& scene, const Cell& mesh, Anchors anchors, const Weights& weights, glm::dvec3 eye,
+                const Correction& correction) {
+  std::array<glm::dmat3, 4> toWorld;
+  glm::dvec3 shift(0.0);
+  for (std::size_t i = 0; i < mesh.members.size(); ++i) {
+    const Pose& pose = scene.nodes[mesh.members[i]].camera.pose;
+    toWorld[i] = weights[i] * glm::mat3_cast(correction.rotation * glm::normalize(pose.rotation));
+    shift += weights[i] * (pose.position - eye);
+  }
+  shift = corrected(correction, shift, eye);
+  Sights sights;
+  sights.reserve(anchors.size());
+  for (const CellBounds::Anchor& anchor : anchors) {
+    glm::dvec3 direction = double(anchor.point.inverseDistance) * shift;
+    for (std::size_t i = 0; i < mesh.members.size(); ++i) direction += toWorld[i] * glm::dvec3(anchor.point.point[i]);
+    const double length = glm::length(direction);
+    sights.push_back({direction / length, double(anchor.point.inverseDistance) / length});
+  }
+  return sights;
+}
+
+// Calls `visit` with both anchors' numbers for each place that two meshes show.
+template <class Visit>
+void forCommon(Anchors a, Anchors b, Visit&& visit) {
+  const auto key = [](const CellBounds::Anchor& anchor) { return std::pair(anchor.photograph, anchor.place); };
+  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    const auto left = key(a[i]), right = key(b[j]);
+    if (left == right) visit(i, j);
+    i += left <= right;
+    j += right <= left;
+  }
+}
+
+bool sharePhotograph(const Cell& a, const Cell& b) {
+  return std::ranges::any_of(a.members, [&](std::uint32_t node) { return std::ranges::count(b.members, node) > 0; });
+}
+
+// Two meshes, and what brings the second to the first.
+struct Tie {
+  std::size_t a, b;
+  MotionFit fit;
+  double strength;
+};
+
+class Aligner {
+ public:
+  Aligner(const Scene& scene, std::span<const MeshToAlign> meshes, glm::dvec3 middle)
+      : scene_(scene), meshes_(meshes), middle_(middle) {
+    for (const MeshToAlign& mesh : meshes)
+      sights_.push_back(sightsOf(scene, *mesh.mesh, mesh.anchors, mesh.weights, middle, {}));
+    normaliseNearness();
+    findMasses();
+    for (std::size_t a = 0; a < meshes.size(); ++a)
+      for (std::size_t b = a + 1; b < meshes.size(); ++b)
+        if (sharePhotograph(*meshes[a].mesh, *meshes[b].mesh)) tie(a, b);
+  }
+
+  std::vector<Correction> run() {
+    const std::vector<Motion> motions = solve();
+    std::vector<Correction> corrections;
+    for (std::size_t m = 0; m < meshes_.size(); ++m) corrections.push_back(correctionOf(motions[m], sights_[m]));
+    return corrections;
+  }
+
+ private:
+  // Translations are counted in a typical distance, so that the world's scale means nothing.
+  void normaliseNearness() {
+    double sum = 0;
+    std::size_t count = 0;
+    for (const Sights& sights : sights_)
+      for (const Sight& sight : sights)
+        if (std::isfinite(sight.nearness)) sum += sight.nearness, ++count;
+    if (sum > 0 && std::isfinite(sum)) unit_ = double(count) / sum;
+    for (Sights& sights : sights_)
+      for (Sight& sight : sights) sight.nearness *= unit_;
+  }
+
+  void findMasses() {
+    double furthest = 0;
+    for (const MeshToAlign& mesh : meshes_) furthest = std::max(furthest, mesh.distance);
+    least_ = 1e-12 * furthest * furthest;
+    for (const MeshToAlign& mesh : meshes_) {
+      const double far = furthest > 0 ? mesh.distance / furthest : 1.0;
+      masses_.push_back(1 / (far + 1e-12));
+    }
+  }
+
+  // What a photograph counts: the nearer its place, the more, and in it alone.
+  double countOf(std::uint32_t photograph) const {
+    const glm::dvec3 away = scene_.nodes[photograph].camera.pose.position - middle_;
+    return 1 / (glm::dot(away, away) + std::max(least_, 1e-300));
+  }
+
+  void tie(std::size_t a, std::size_t b) {
+    pairs_.clear();
+    double total = 0;
+    std::uint32_t last = ~0u;
+    double count = 0;
+    const Anchors anchors = meshes_[a].anchors;
+    forCommon(anchors, meshes_[b].anchors, [&](std::size_t i, std::size_t j) {
+      if (anchors[i].photograph != last) {
+        count = countOf(last = anchors[i].photograph);
+        total += count;
+      }
+      const Sight &to = sights_[a][i], &from = sights_[b][j];
+      const double apart = glm::distance(to.direction, from.direction);
+      if (apart < 3 * kLargestCorrection) pairs_.push_back({from, to, count});  // not NaN
+    });
+    if (pairs_.size() < kLeastPairs) return;
+    for (SightPair& pair : pairs_) pair.weight /= total * (kAnchorSide * kAnchorSide);
+    MotionFit fit = fitMotion(pairs_);
+    // What no rigid motion explains are wrong matches or shapes, not poses: the less it explains, the less is done.
+    for (double& value : fit.motion) value *= fit.explained;
+    ties_.push_back({a, b, fit, std::sqrt(masses_[a] * masses_[b])});
+  }
+
+  // A·x of the normal equations.
+  std::vector<Motion> applied(const std::vector<Motion>& x) const {
+    std::vector<Motion> result(x.size());
+    for (std::size_t m = 0; m < x.size(); ++m)
+      for (std::size_t i = 0; i < 6; ++i) result[m][i] = kRegularisation * masses_[m] * x[m][i];
+    for (const Tie& tie : ties_) {
+      Motion apart;
+      for (std::size_t i = 0; i < 6; ++i) apart[i] = x[tie.b][i] - x[tie.a][i];
+      pull(tie, apart, result);
+    }
+    return result;
+  }
+  static void pull(const Tie& tie, const Motion& apart, std::vector<Motion>& to) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      double sum = 0;
+      for (std::size_t j = 0; j < 6; ++j) sum += tie.fit.information[i][j] * apart[j];
+      to[tie.a][i] -= tie.strength * sum;
+      to[tie.b][i] += tie.strength * sum;
+    }
+  }
+
+  // Conjugate gradients, each unknown in the scale of its diagonal.
+  std::vector<Motion> solve() const {
+    const std::size_t n = meshes_.size();
+    std::vector<Motion> x(n), residual(n), diagonal(n), direction;
+    for (std::size_t m = 0; m < n; ++m) diagonal[m].fill(kRegularisation * masses_[m]);
+    for (const Tie& tie : ties_) {
+      pull(tie, tie.fit.motion, residual);
+      for (const std::size_t m : {tie.a, tie.b})
+        for (std::size_t i = 0; i < 6; ++i) diagonal[m][i] += tie.strength * tie.fit.information[i][i];
+    }
+    const auto scaled = [&](const std::vector<Motion>& v) {
+      std::vector<Motion> result = v;
+      for (std::size_t m = 0; m < n; ++m)
+        for (std::size_t i = 0; i < 6; ++i) result[m][i] /= diagonal[m][i];
+      return result;
+    };
+    const auto dot = [&](const std::vector<Motion>& v, const std::vector<Motion>& w) {
+      double sum = 0;
+      for (std::size_t m = 0; m < n; ++m)
+        for (std::size_t i = 0; i < 6; ++i) sum += v[m][i] * w[m][i];
+      return sum;
+    };
+    std::vector<Motion> preconditioned = scaled(residual);
+    direction = preconditioned;
+    double energy = dot(residual, preconditioned);
+    const double enough = 1e-20 * energy;
+    for (std::size_t step = 0; step < 6 * n && energy > enough && energy > 0; ++step) {
+      const std::vector<Motion> image = applied(direction);
+      const double length = energy / dot(direction, image);
+      for (std::size_t m = 0; m < n; ++m)
+        for (std::size_t i = 0; i < 6; ++i) {
+          x[m][i] += length * direction[m][i];
+          residual[m][i] -= length * image[m][i];
+        }
+      preconditioned = scaled(residual);
+      const double next = dot(residual, preconditioned);
+      for (std::size_t m = 0; m < n; ++m)
+        for (std::size_t i = 0; i < 6; ++i) direction[m][i] = preconditioned[m][i] + next / energy * direction[m][i];
+      energy = next;
+    }
+    return x;
+  }
+
+  Correction correctionOf(Motion motion, const Sights& sights) const {
+    double nearest = 0;
+    for (const Sight& sight : sights) nearest = std::max(nearest, sight.nearness);
+    const double angle =
+        std::hypot(motion[0], motion[1], motion[2]) + nearest * std::hypot(motion[3], motion[4], motion[5]);
+    if (!(angle >= kLeastAngle)) return {};
+    for (double& value : motion) value *= std::min(1.0, kLargestCorrection / angle);
+    Correction correction{rotationOf(motion), middle_, {}};
+    correction.shift = glm::conjugate(correction.rotation) * (unit_ * glm::dvec3(motion[3], motion[4], motion[5]));
+    return correction;
+  }
+
+  const Scene& scene_;
+  std::span<const MeshToAlign> meshes_;
+  glm::dvec3 middle_;
+  std::vector<Sights> sights_;
+  std::vector<double> masses_;
+  std::vector<Tie> ties_;
+  std::vector<SightPair> pairs_;
+  double unit_ = 1;   // of translations, world units
+  double least_ = 0;  // squared distance, world units
+};
+
+}  // namespace
+
+std::vector<Correction> alignMeshes(const Scene& scene, std::span<const MeshToAlign> meshes, glm::dvec3 middle) {
+  return Aligner(scene, meshes, middle).run();
+}
+
+std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
+                                  std::size_t view, bool corrected) {
+  const Camera& camera = plan.views[view];
+  const auto pixelOf = [&](const Sight& sight) -> std::optional<glm::dvec2> {
+    const auto pixel = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * sight.direction);
+    const bool inside = pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= camera.intrinsics.width &&
+                        pixel->y <= camera.intrinsics.height;
+    return inside ? pixel : std::nullopt;
+  };
+  struct Drawn {
+    Anchors anchors;
+    Sights sights;
+  };
+  std::vector<Drawn> drawn;
+  for (const PlannedCell& cell : plan.cells) {
+    const Anchors anchors = bounds.anchors->of(scene).cells[cell.cell];
+    drawn.push_back({anchors, sightsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
+                                       camera.pose.position, corrected ? cell.correction : Correction{})});
+  }
+  std::vector<double> apart;
+  for (std::size_t a = 0; a < drawn.size(); ++a)
+    for (std::size_t b = a + 1; b < drawn.size(); ++b)
+      forCommon(drawn[a].anchors, drawn[b].anchors, [&](std::size_t i, std::size_t j) {
+        const auto here = pixelOf(drawn[a].sights[i]), there = pixelOf(drawn[b].sights[j]);
+        if (here && there) apart.push_back(glm::distance(*here, *there));
+      });
+  return apart;
+}
+
+}  // namespace ibr

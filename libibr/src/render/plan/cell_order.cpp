@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/plan/cell_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+namespace ibr {
+namespace {
+
+bool before(glm::dvec3 a, glm::dvec3 b) {
+  if (a.x != b.x) return a.x < b.x;
+  if (a.y != b.y) return a.y < b.y;
+  return a.z < b.z;
+}
+
+double largestCoordinate(glm::dvec3 v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+}  // namespace
+
+CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view) {
+  const std::size_t d = cell.members.size();
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  auto position = [&](std::size_t member) { return scene.nodes[cell.members[member]].camera.pose.position; };
+  for (std::size_t i = 1; i < d; ++i)
+    for (std::size_t j = i; j > 0 && before(position(order[j]), position(order[j - 1])); --j)
+      std::swap(order[j], order[j - 1]);
+  std::array<glm::dvec3, 4> corners;
+  for (std::size_t i = 0; i < d; ++i) corners[i] = position(order[i]);
+  const Barycentric sorted = barycentric(std::span(corners.data(), d), view.position);
+
+  CellDistance result;
+  result.weights = sorted;
+  const glm::dvec3 forward = viewAxis(view);
+  glm::dvec3 axis(0.0);  // a panorama looks wherever the view does
+  bool anyPinhole = false;
+  double magnitude = largestCoordinate(view.position);
+  for (std::size_t i = 0; i < d; ++i) {
+    result.weights.free[order[i]] = sorted.free[i];
+    result.weights.clamped[order[i]] = sorted.clamped[i];
+    const Camera& camera = scene.nodes[cell.members[order[i]]].camera;
+    const bool panorama = camera.intrinsics.model == CameraModel::equirectangular;
+    axis += sorted.clamped[i] * (panorama ? forward : viewAxis(camera.pose));
+    anyPinhole |= !panorama;
+    magnitude = std::max(magnitude, largestCoordinate(corners[i]));
+  }
+  // Positions are rounded at the scale of the world, differences at the scale of the cell.
+  const double tolerance = std::max(1e-9 * size, 8.0 * std::numeric_limits<double>::epsilon() * magnitude);
+  result.extrapolation = sorted.distance <= tolerance ? 0.0 : sorted.distance;
+  // atan2 keeps its digits at small angles, where acos has none.
+  if (anyPinhole) result.rotation = std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward));
+  return result;
+}
+
+}  // namespace ibr

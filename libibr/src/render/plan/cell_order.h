@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the virtual camera is from a cell, in position and in direction ([T] §2.5.2).
+#pragma once
+
+#include "ibr/scene.h"
+#include "render/plan/barycentric.h"
+
+namespace ibr {
+
+struct CellDistance {
+  Barycentric weights;       // of the virtual camera, in the order of the cell's members
+  double extrapolation = 0;  // world units; exactly 0 inside, within rounding
+  double rotation = 0;       // radians between the virtual axis and the cell's interpolated axis (yaw and pitch only);
+                             // 0 for a cell of panoramas
+};
+
+/// `size` is the cell's longest edge. Cells over the same positions get bit-equal extrapolation distances whatever the
+/// order of their members, so that stacked cells are told apart by direction alone (NUMERICS T13).
+CellDistance cellDistance(const Scene& scene, const Cell& cell, double size, const Pose& view);
+
+}  // namespace ibr

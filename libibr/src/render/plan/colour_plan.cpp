@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/plan/colour_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ibr {
+namespace {
+
+constexpr std::int64_t kNobody = -1;
+
+// A cell that was drawn in the frame before keeps its slot; the others' slots are free. Tables are made for the plan's
+// cells alone: what leaves, or was in the order before a switch, has the one it had, or none.
+void assignSlots(const PlanState& state, FramePlan& plan) {
+  std::vector<std::int64_t>& slots = plan.next.colourSlots;
+  slots.assign(kColourSlotCount, kNobody);
+  std::vector<PlannedCell*> drawn;
+  for (PlannedCell& cell : plan.cells) drawn.push_back(&cell);
+  for (LeavingCell& cell : plan.leaving) drawn.push_back(&cell.planned);
+  for (PlannedCell& cell : plan.former) drawn.push_back(&cell);
+  const auto slotOf = [](const std::vector<std::int64_t>& all, const PlannedCell& cell) {
+    return std::size_t(std::find(all.begin(), all.end(), std::int64_t(cell.cell)) - all.begin());
+  };
+  for (const PlannedCell* cell : drawn)
+    if (const std::size_t slot = slotOf(state.colourSlots, *cell); slot < state.colourSlots.size())
+      slots[slot] = cell->cell;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    PlannedCell* const cell = drawn[i];
+    std::size_t slot = slotOf(slots, *cell);
+    cell->colourFresh = slotOf(state.colourSlots, *cell) == state.colourSlots.size();
+    if (slot == slots.size() && i >= plan.cells.size()) {
+      cell->colourSlot = kColourSlotCount;
+      continue;
+    }
+    if (slot == slots.size()) slot = std::size_t(std::find(slots.begin(), slots.end(), kNobody) - slots.begin());
+    slots[slot] = cell->cell;
+    cell->colourSlot = std::uint32_t(slot);
+  }
+}
+
+std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::uint32_t node) {
+  for (const PlannedCell& cell : plan.cells) {
+    const std::vector<std::uint32_t>& members = scene.cells[cell.cell].members;
+    if (std::find(members.begin(), members.end(), node) != members.end()) return cell.colourSlot;
+  }
+  return kColourSlotCount;
+}
+
+// A table that nothing shows is not measured: what was remembered stays, and what never was is new when it shows.
+void markNeeded(FramePlan& plan) {
+  for (PlannedCell& cell : plan.cells) {
+    cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || plan.formerWeight > 0 || !plan.leaving.empty();
+    for (const PlannedBackdrop& backdrop : plan.backdrops)
+      if (backdrop.colourSlot == cell.colourSlot && !backdrop.hidden) cell.colourNeeded = true;
+    if (!cell.colourNeeded && cell.colourFresh) plan.next.colourSlots[cell.colourSlot] = kNobody;
+  }
+}
+
+}  // namespace
+
+void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
+  const RenderSettings& settings = plan.settings;
+  ColourPlan& colour = plan.colour;
+  if (settings.colourMapping == ColourMapping::off) return;
+  const bool ours = settings.colourMapping == ColourMapping::ours;
+  if (!ours) {  // the paper's sequence has one order in one picture
+    plan.former.clear();
+    plan.leaving.clear();
+    plan.formerWeight = 0;
+  }
+  assignSlots(state, plan);
+  for (PlannedBackdrop& backdrop : plan.backdrops)
+    backdrop.colourSlot = slotOfPhotograph(scene, plan, scene.backdrops[backdrop.backdrop].members[0]);
+  markNeeded(plan);
+  const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
+  const double left = switched ? settings.colourFadeSeconds : state.colourFade;
+  constexpr double kDone = 1e-9;  // rounding of the sum of many steps is not worth a frame
+  colour.mainShare = left > seconds + kDone ? seconds / left : 1.0;
+  colour.mainMapped = colour.mainShare < 1.0;
+  plan.next.colourFade = colour.mainMapped ? left - seconds : 0.0;
+  if (ours) {
+    const bool anyNew = std::any_of(plan.cells.begin(), plan.cells.end(),
+                                    [](const auto& cell) { return cell.colourFresh && cell.colourNeeded; });
+    colour.counted = anyNew || !eyesShare(plan) || state.colourAge + 1 >= settings.colourPeriod;
+    plan.next.colourAge = colour.counted ? 0 : state.colourAge + 1;
+    colour.share = settings.colourSmoothSeconds > 0 ? -std::expm1(-seconds / settings.colourSmoothSeconds) : 1.0;
+    const double step = settings.colourLargestSpeed * seconds;
+    colour.largestStep = step > 0 ? std::min(step, 255.0) : 0.0;  // not a number: 0
+  }
+}
+
+}  // namespace ibr

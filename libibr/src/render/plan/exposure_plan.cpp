@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/plan/exposure_plan.h"
+
+#include <cmath>
+#include <glm/exponential.hpp>
+
+namespace ibr {
+namespace {
+
+// Log; nothing is adapted to where nothing is shown.
+std::optional<glm::dvec3> wantedExposure(const Scene& scene, const FramePlan& plan) {
+  glm::dvec3 sum(0.0);
+  if (!plan.cells.empty()) {
+    const std::vector<std::uint32_t>& members = scene.cells[plan.cells[0].cell].members;
+    for (std::size_t i = 0; i < members.size(); ++i)
+      for (std::size_t v = 0; v < plan.views.size(); ++v)
+        sum -= plan.cells[0].view[v].blend[i] / double(plan.views.size()) * glm::log(scene.nodes[members[i]].gain);
+    return sum;
+  }
+  if (plan.backdrops.empty()) return std::nullopt;
+  return -glm::log(scene.nodes[scene.backdrops[plan.backdrops[0].backdrop].members[0]].gain);
+}
+
+}  // namespace
+
+glm::dvec3 plannedExposure(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
+  const RenderSettings& settings = plan.settings;
+  plan.next.exposure = std::nullopt;
+  if (settings.exposure != Exposure::adapted) return glm::dvec3(1.0);
+  std::optional<glm::dvec3> wanted = wantedExposure(scene, plan);
+  if (wanted == glm::dvec3(0.0) && !state.exposure) wanted = std::nullopt;  // no gains: nothing to adapt to
+  plan.next.exposure = wanted ? wanted : state.exposure;
+  if (wanted && state.exposure && settings.exposureSeconds > 0)
+    plan.next.exposure = *wanted + std::exp(-seconds / settings.exposureSeconds) * (*state.exposure - *wanted);
+  return glm::exp(plan.next.exposure.value_or(glm::dvec3(0.0)));
+}
+
+}  // namespace ibr

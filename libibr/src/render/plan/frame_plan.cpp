@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which cells are drawn, in which order, with which weights ([T] §2.5.1 "clamping", §2.5.2). Pure.
+//
+// Departures: a cell overtakes another only by a margin, and cells with equal keys are told apart by their members'
+// positions, so that the order of cells in a file means nothing (cell_choice.h); for two views one order is made from
+// the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other changes fade (transition.h).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <iterator>
+#include <map>
+#include <optional>
+
+#include "base/check.h"
+#include "ibr/renderer.h"
+#include "render/plan/cell_alignment.h"
+#include "render/plan/anchors.h"
+#include "render/plan/backdrop_choice.h"
+#include "render/plan/cell_choice.h"
+#include "render/plan/cell_order.h"
+#include "render/plan/colour_plan.h"
+#include "render/plan/culling.h"
+#include "render/plan/exposure_plan.h"
+#include "render/plan/occlusion.h"
+#include "render/plan/transition.h"
+#include "scene/scene_faults.h"
+
+namespace ibr {
+namespace {
+
+void checkView(const Camera& view) {
+  const Intrinsics& k = view.intrinsics;
+  check(k.model == CameraModel::pinhole, ErrorCode::invalidInput, "view: only a pinhole can be rendered");
+  check(k.width > 0 && k.height > 0, ErrorCode::invalidInput, "view: size {}x{} is empty", k.width, k.height);
+  check(k.fx > 0 && k.fy > 0 && std::isfinite(k.fx) && std::isfinite(k.fy), ErrorCode::invalidInput,
+        "view: focal lengths {} and {} are not positive", k.fx, k.fy);
+  check(std::isfinite(k.cx) && std::isfinite(k.cy), ErrorCode::invalidInput, "view: principal point is not finite");
+  const glm::dvec3 p = view.pose.position;
+  check(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z), ErrorCode::invalidInput,
+        "view: position ({}, {}, {}) is not finite", p.x, p.y, p.z);
+  check(withinWorld(p), ErrorCode::invalidInput,
+        "view: position ({}, {}, {}) is further from the origin than {} world units", p.x, p.y, p.z, kWorldRadius);
+  const double length = glm::length(view.pose.rotation);
+  check(std::abs(length - 1.0) <= 1e-3, ErrorCode::invalidInput, "view: rotation has length {}, not 1", length);
+}
+
+void checkScale(const char* name, double scale) {
+  check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "settings: {} {} is not positive", name, scale);
+}
+
+// The pose in the middle: of two views the mean position and the rotation half-way.
+Pose middleOf(const std::vector<Camera>& views) {
+  const Pose &first = views.front().pose, &last = views.back().pose;
+  if (views.size() == 1) return first;
+  return {0.5 * (first.position + last.position), glm::slerp(first.rotation, last.rotation, 0.5)};
+}
+
+// What planning carries from step to step.
+class Planner {
+ public:
+  Planner(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state)
+      : scene_(scene), bounds_(bounds), settings_(input.settings), state_(state) {
+    check(input.views.size() == 1 || input.views.size() == 2, ErrorCode::invalidInput, "{} views, not one or two",
+          input.views.size());
+    for (const Camera& view : input.views) checkView(view);
+    checkScale("textureScale", settings_.textureScale);
+    checkScale("renderScale", settings_.renderScale);
+    plan_.views = input.views;
+    for (Camera& view : plan_.views) {
+      view.pose.rotation = glm::normalize(view.pose.rotation);
+      planes_.push_back(frustum(view));
+    }
+    plan_.settings = settings_;
+    middle_ = middleOf(plan_.views);
+    dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
+    seconds_ = state.secondsSinceSwitch + dt_;
+  }
+
+  FramePlan run() {
+    mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
+    std::vector<PlannedCell> cells = chooseCells();
+    const ChosenBackdrops chosen = chooseBackdrops();
+    align(cells, chosen);
+    takeCells(std::move(cells));
+    fadeCells();
+    fadeBackdrops(chosen);
+    // The paper draws all of its cells, and counts their colours.
+    if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
+      markHidden(scene_, bounds_, plan_);
+    mixSwitch();
+    rememberSingles();
+    plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
+    planColours(scene_, dt_, state_, plan_);
+    return std::move(plan_);
+  }
+
+ private:
+  // Those in view, and of them those to be drawn; best first.
+  struct ChosenBackdrops {
+    std::vector<BackdropCandidate> candidates;
+    std::vector<std::uint32_t> meshes;
+  };
+
+  // `margin`: radians by which a correction may still move it.
+  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned, Morph morph,
+               double margin = 0) const {
+    for (std::size_t v = 0; v < plan_.views.size(); ++v)
+      if (mayBeVisible(scene_, cell, bounds, planes_[v],
+                       {planned.view[v].position, morph, plan_.views[v].pose.position, planned.correction}, margin))
+        return true;
+    return false;
+  }
+  bool visible(const PlannedCell& planned, double margin = 0) const {
+    return visible(scene_.cells[planned.cell], bounds_.cells[planned.cell], planned, settings_.morph, margin);
+  }
+  bool aligned() const { return settings_.alignCells && settings_.morph == Morph::ours; }
+
+  // Weights of a cell for every view, wherever it stands in the order.
+  PlannedCell planned(std::uint32_t index, const CellDistance& fromMiddle) const {
+    const Cell& cell = scene_.cells[index];
+    PlannedCell planned;
+    planned.cell = index;
+    planned.extrapolationDistance = fromMiddle.extrapolation;
+    planned.rotationalDistance = fromMiddle.rotation;
+    const double limit = settings_.extrapolationLimit * bounds_.cells[index].size;
+    const double fade = settings_.fadeShare * limit;
+    if (fade > 0 && std::isfinite(fade)) planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
+    for (std::size_t v = 0; v < plan_.views.size(); ++v) {
+      const Barycentric weights =
+          plan_.views.size() == 1 ? fromMiddle.weights
+                                  : cellDistance(scene_, cell, bounds_.cells[index].size, plan_.views[v].pose).weights;
+      planned.view[v].position = settings_.morph == Morph::ours ? weights.clamped : weights.free;
+      planned.view[v].blend = smoothstep(weights.clamped);
+    }
+    planned.photographDistance = photographDistance(cell, smoothstep(fromMiddle.weights.clamped));
+    planned.single = single(index, fromMiddle.weights.clamped);
+    return planned;
+  }
+
+  double photographDistance(const Cell& cell, const Weights& blend) const {
+    double squared = 0;
+    for (std::size_t i = 0; i < cell.members.size(); ++i) {
+      const double distance = glm::distance(scene_.nodes[cell.members[i]].camera.pose.position, middle_.position);
+      squared += blend[i] * distance * distance;
+    }
+    return std::sqrt(squared);
+  }
+
+  // The member with the greatest λ̂, which another one replaces only by a margin, and little by little.
+  Weights single(std::uint32_t cell, const Weights& clamped) const {
+    constexpr double kKeepWeight = 0.05;
+    const std::size_t best = std::size_t(std::max_element(clamped.begin(), clamped.end()) - clamped.begin());
+    Weights target{};
+    target[best] = 1;
+    const auto found = std::ranges::lower_bound(state_.single, cell, {}, [](const auto& entry) { return entry.first; });
+    if (found == state_.single.end() || found->first != cell || !(settings_.switchSeconds > 0)) return target;
+    const Weights& before = found->second;
+    const std::size_t shown = std::size_t(std::max_element(before.begin(), before.end()) - before.begin());
+    if (clamped[best] < clamped[shown] + kKeepWeight) {
+      target = {};
+      target[shown] = 1;
+    }
+    const double step = dt_ / settings_.switchSeconds;
+    Weights weights{};
+    double sum = 0;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      sum += weights[i] = before[i] + std::clamp(target[i] - before[i], -step, step);
+    for (double& weight : weights) weight /= sum;
+    return weights;
+  }
+
+  void rememberSingles() {
+    std::map<std::uint32_t, Weights> drawn;
+    for (const PlannedCell& cell : plan_.cells) drawn[cell.cell] = cell.single;
+    for (const LeavingCell& cell : plan_.leaving) drawn[cell.planned.cell] = cell.planned.single;
+    for (const PlannedCell& cell : plan_.former) drawn[cell.cell] = cell.single;
+    plan_.next.single.assign(drawn.begin(), drawn.end());
+  }
+
+  bool isChosen(std::uint32_t cell) const {
+    const auto has = [cell](const auto& list) { return std::ranges::find(list, cell) != list.end(); };
+    return !has(settings_.mutedCells) && (settings_.soloCells.empty() || has(settings_.soloCells));
+  }
+
+  // `cells`: where what is planned of the candidates goes.
+  std::vector<CellCandidate> candidates(std::vector<PlannedCell>& cells) {
+    std::map<std::uint32_t, std::int64_t> rank;
+    for (const ShownMesh& shown : state_.cells)
+      if (!shown.leaving) rank.emplace(shown.mesh, std::int64_t(rank.size()));
+    std::vector<CellCandidate> result;
+    for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
+      const double size = bounds_.cells[c].size;
+      const CellDistance distance = cellDistance(scene_, scene_.cells[c], size, middle_);
+      if (distance.extrapolation > settings_.extrapolationLimit * size) {
+        ++plan_.culledByDistance;
+        continue;
+      }
+      PlannedCell cell = planned(c, distance);
+      const bool inView = visible(cell);
+      const auto moved = [&] { return aligned() && !bounds_.anchors->of(scene_).cells[c].empty(); };
+      if (!inView && !(moved() && visible(cell, kLargestCorrection))) {
+        ++plan_.culledByFrustum;
+        continue;
+      }
+      if (!isChosen(c)) {
+        ++plan_.culledByChoice;
+        plan_.next.hiddenCells.push_back(c);  // so that it fades in again
+        continue;
+      }
+      const auto before = rank.find(c);
+      result.push_back({c, distance.extrapolation, distance.rotation, size, !inView,
+                        mixing_ && std::int64_t(c) == state_.mainCell,
+                        before == rank.end() ? kNotShown : before->second, cells.size()});
+      cells.push_back(cell);
+    }
+    return result;
+  }
+
+  // Best first; some of them may turn out to be out of view.
+  std::vector<PlannedCell> chooseCells() {
+    std::vector<PlannedCell> cells, ordered;
+    const CellChoice choice =
+        ibr::chooseCells(scene_, candidates(cells), std::min<std::size_t>(settings_.maxCells, kLargestCellCount));
+    for (const CellCandidate& left : choice.left) {
+      ++(left.nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
+      if (!left.nearlyInView) plan_.next.hiddenCells.push_back(left.cell);
+    }
+    std::ranges::sort(plan_.next.hiddenCells);
+    for (const CellCandidate& drawn : choice.drawn) ordered.push_back(cells[drawn.index]);
+    return ordered;
+  }
+
+  // What is in view where its correction has it.
+  void takeCells(std::vector<PlannedCell> cells) {
+    plan_.culledByFrustum +=
+        std::uint32_t(aligned() ? std::erase_if(cells, [&](const PlannedCell& cell) { return !visible(cell); }) : 0);
+    plan_.cells = std::move(cells);
+    if (!plan_.cells.empty()) plan_.next.mainCell = plan_.cells[0].cell;
+    // Nothing nearer than this keeps its true depth (it is drawn all the same); scale-free, since COLMAP worlds are.
+    if (!plan_.cells.empty()) plan_.nearDistance = 0.05 * bounds_.cells[plan_.cells[0].cell].size;
+  }
+
+  bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
+
+  // A cell that is drawn where the order before had it.
+  std::optional<PlannedCell> plannedAgain(const ShownMesh& shown) const {
+    if (shown.mesh >= scene_.cells.size()) return std::nullopt;  // another scene's state
+    const Cell& cell = scene_.cells[shown.mesh];
+    const CellBounds& bounds = bounds_.cells[shown.mesh];
+    PlannedCell again = planned(shown.mesh, cellDistance(scene_, cell, bounds.size, middle_));
+    again.opacity *= shown.opacity;
+    again.correction = correctionOf(corrections_, shown.mesh);
+    if (!visible(again)) return std::nullopt;
+    return again;
+  }
+
+  // Of a fade after the order changed, that this frame goes. The paper's sequence of colours has no copies of a mesh.
+  double fadeStep() const {
+    const bool sequence =
+        settings_.colourMapping == ColourMapping::paper || settings_.colourMapping == ColourMapping::paperRedraw;
+    return sequence || !(settings_.switchSeconds > 0) ? 1.0 : dt_ / settings_.switchSeconds;
+  }
+
+  // What changes behind the main cell fades; a switch of it is mixed, which hides all other changes.
+  void fadeCells() {
+    std::vector<std::uint32_t> order;
+    for (const PlannedCell& cell : plan_.cells) order.push_back(cell.cell);
+    const WantedOrder wanted{order,
+                             [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hiddenCells, cell); },
+                             [&](std::uint32_t cell) {
+                               return plannedAgain({cell, 1.0, false}).has_value();
+                             }};
+    plan_.next.cells = showMeshes(state_.cells, wanted, switched() ? 1.0 : fadeStep());
+    std::uint32_t place = 0;
+    for (const ShownMesh& shown : plan_.next.cells) {
+      if (!shown.leaving)
+        plan_.cells[place++].opacity *= shown.opacity;
+      else if (const auto leaving = plannedAgain(shown))
+        plan_.leaving.push_back({*leaving, place});
+    }
+  }
+
+  using Corrections = std::map<std::uint32_t, Correction>;  // by mesh
+
+  static Correction correctionOf(const Corrections& corrections, std::uint32_t mesh) {
+    const auto found = corrections.find(mesh);
+    return found == corrections.end() ? Correction{} : found->second;
+  }
+
+  // All that this frame may draw, together, from the middle of the views.
+  void align(std::vector<PlannedCell>& cells, const ChosenBackdrops& chosen) {
+    if (!aligned()) return;
+    std::vector<std::uint32_t> cellsToAlign, backdropsToAlign = chosen.meshes;
+    for (const PlannedCell& cell : cells) cellsToAlign.push_back(cell.cell);
+    const auto addShown = [](const std::vector<ShownMesh>& shown, std::size_t count, std::vector<std::uint32_t>& to) {
+      for (const ShownMesh& mesh : shown)
+        if (mesh.mesh < count && std::ranges::find(to, mesh.mesh) == to.end()) to.push_back(mesh.mesh);
+    };
+    addShown(state_.cells, scene_.cells.size(), cellsToAlign);
+    addShown(state_.former, scene_.cells.size(), cellsToAlign);
+    addShown(state_.backdrops, scene_.backdrops.size(), backdropsToAlign);
+    std::vector<MeshToAlign> meshes;
+    const AnchorsOnDemand::OfMeshes& anchors = bounds_.anchors->of(scene_);
+    for (const std::uint32_t c : cellsToAlign)
+      meshes.push_back(toAlign(scene_.cells[c], bounds_.cells[c].size, anchors.cells[c]));
+    for (const std::uint32_t b : backdropsToAlign)
+      meshes.push_back(toAlign(scene_.backdrops[b], bounds_.backdrops[b].size, anchors.backdrops[b]));
+    const std::vector<Correction> found = alignMeshes(scene_, meshes, middle_.position);
+    for (std::size_t i = 0; i < cellsToAlign.size(); ++i) corrections_[cellsToAlign[i]] = found[i];
+    for (std::size_t i = 0; i < backdropsToAlign.size(); ++i)
+      backdropCorrections_[backdropsToAlign[i]] = found[cellsToAlign.size() + i];
+    for (PlannedCell& cell : cells) cell.correction = corrections_[cell.cell];
+  }
+
+  MeshToAlign toAlign(const Cell& mesh, double size, std::span<const CellBounds::Anchor> anchors) const {
+    const CellDistance from = cellDistance(scene_, mesh, size, middle_);
+    const double photographs = photographDistance(mesh, smoothstep(from.weights.clamped));
+    return {&mesh, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
+  }
+
+  bool backdropVisible(std::uint32_t backdrop) const {
+    PlannedCell single;  // as it is drawn
+    for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
+    return visible(scene_.backdrops[backdrop], bounds_.backdrops[backdrop], single, Morph::ours);
+  }
+
+  std::size_t mostBackdrops() const {
+    return settings_.soloCells.empty() ? std::min(settings_.maxBackdrops, kLargestBackdropCount) : 0;
+  }
+
+  // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
+  ChosenBackdrops chooseBackdrops() {
+    ChosenBackdrops chosen;
+    std::vector<BackdropCandidate>& candidates = chosen.candidates;
+    if (settings_.lowestTier < kTierBackdrop) return chosen;
+    for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
+      if (!backdropVisible(b)) continue;
+      const Pose& pose = scene_.nodes[scene_.backdrops[b].members[0]].camera.pose;
+      const glm::dvec3 axis = viewAxis(pose), forward = viewAxis(middle_);
+      candidates.push_back({b, glm::distance(pose.position, middle_.position),
+                            std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward))});
+    }
+    std::sort(candidates.begin(), candidates.end(), [&](const BackdropCandidate& a, const BackdropCandidate& b) {
+      if (a.distance != b.distance) return a.distance < b.distance;
+      if (a.angle != b.angle) return a.angle < b.angle;
+      return memberPoses(scene_, scene_.backdrops[a.backdrop]) < memberPoses(scene_, scene_.backdrops[b.backdrop]);
+    });
+    chosen.meshes = ibr::chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops());
+    return chosen;
+  }
+
+  void fadeBackdrops(const ChosenBackdrops& backdrops) {
+    if (settings_.lowestTier < kTierBackdrop) return;
+    const std::vector<BackdropCandidate>& candidates = backdrops.candidates;
+    std::vector<std::uint32_t> chosen = backdrops.meshes;
+    std::vector<std::uint32_t> inView;
+    for (const BackdropCandidate& candidate : candidates) inView.push_back(candidate.backdrop);
+    std::ranges::sort(inView);
+    const auto visible = [&](std::uint32_t b) { return std::ranges::binary_search(inView, b); };
+    const auto wasHidden = [&](std::uint32_t b) { return std::ranges::binary_search(state_.hiddenBackdrops, b); };
+    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible}, mostBackdrops());
+    std::ranges::copy_if(inView, std::back_inserter(plan_.next.hiddenBackdrops),
+                         [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
+    plan_.next.backdrops =
+        showMeshes(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount}, fadeStep());
+    for (const ShownMesh& shown : plan_.next.backdrops) {
+      const Pose& pose = scene_.nodes[scene_.backdrops[shown.mesh].members[0]].camera.pose;
+      plan_.backdrops.push_back({shown.mesh, shown.opacity, glm::distance(pose.position, middle_.position),
+                                 correctionOf(backdropCorrections_, shown.mesh)});
+    }
+    if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
+      plan_.nearDistance = 0.05 * candidates[0].distance;
+  }
+
+  void mixSwitch() {
+    PlanState& next = plan_.next;
+    if (switched() && settings_.switchSeconds > 0) {
+      next.former = state_.cells;  // the frame in which the switch happens still shows the former picture
+      next.secondsSinceSwitch = 0;
+    } else if (mixing_) {
+      next.former = state_.former;
+      next.secondsSinceSwitch = seconds_;
+    }
+    if (next.former.empty()) return;
+    for (const ShownMesh& shown : next.former)
+      if (const auto cell = plannedAgain(shown)) plan_.former.push_back(*cell);
+    const double share = next.secondsSinceSwitch / settings_.switchSeconds;
+    plan_.formerWeight = 1.0 - share * share * (3.0 - 2.0 * share);
+  }
+
+  const Scene& scene_;
+  const SceneBounds& bounds_;
+  const RenderSettings& settings_;
+  const PlanState& state_;
+  FramePlan plan_;
+  std::vector<std::array<glm::dvec3, 4>> planes_;  // by view
+  Pose middle_;
+  Corrections corrections_, backdropCorrections_;
+  double dt_ = 0;       // seconds since the frame before
+  double seconds_ = 0;  // since the last switch, this frame
+  bool mixing_ = false;
+};
+
+}  // namespace
+
+FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input, const PlanState& state) {
+  return Planner(scene, bounds, input, state).run();
+}
+
+}  // namespace ibr

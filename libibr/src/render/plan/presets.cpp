@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings by name, and what a renderer needs for them.
+#include "ibr/renderer.h"
+
+namespace ibr {
+
+// Chosen from the measured front of time and error over places of several kinds (libibr/docs/tradeoff.md). Fewer cells
+// cost less of the picture than a smaller picture does; more backdrops, or a larger picture, show no more; what fills
+// holes shows most of all where there are any. Colours as they come: where gains are known mapping loses, where they
+// are not it hardly wins.
+RenderSettings preset(Preset preset) {
+  RenderSettings s;
+  switch (preset) {
+    case Preset::fast:
+      s.maxCells = 2;
+      s.maxBackdrops = 4;
+      s.extrapolationLimit = 1;
+      break;
+    case Preset::balanced:
+      break;
+    case Preset::accurate:
+      s.maxCells = 24;
+      s.lowestTier = kTierFilled;
+      s.colourProxy = 4;
+      break;
+    case Preset::reference:
+      s.maxCells = kLargestCellCount;
+      s.maxBackdrops = kLargestBackdropCount;
+      s.lowestTier = kTierFilled;
+      s.colourProxy = 2;
+      s.colourPeriod = 1;
+      s.shareEyeColours = false;
+      break;
+  }
+  return s;
+}
+
+RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D largest, VkFormat format) {
+  RendererOptions options{.largest = largest};
+  options.switchMixing = settings.switchSeconds > 0;
+  options.fill = settings.lowestTier >= kTierFilled;
+  options.formats = {format};
+  options.orders = {settings.order};
+  options.blends = {settings.blend};
+  options.dissolve = settings.fadeShare > 0 || settings.switchSeconds > 0;  // what changes its place fades too
+  if (settings.overlay != Overlay::none) options.overlays = {settings.overlay};
+  options.floor = settings.floor.has_value();
+  options.largestScale = settings.renderScale == 1 ? 0 : settings.renderScale;
+  switch (settings.colourMapping) {
+    case ColourMapping::off:
+      options.colour = ColourSupport::off;
+      break;
+    case ColourMapping::ours:
+      options.colour = ColourSupport::ours;
+      break;
+    case ColourMapping::paper:
+    case ColourMapping::paperRedraw:
+      options.colour = ColourSupport::all;
+      break;
+  }
+  return options;
+}
+
+}  // namespace ibr

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/resident/gpu_scene_state.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "gpu/transfer/upload.h"
+#include "render/plan/vertex.h"
+
+namespace ibr {
+namespace {
+
+struct Geometry {
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::Mesh& out) {
+  out.vertexOffset = geometry.vertices.size() * sizeof(float);
+  std::vector<bool> usable(cell.mesh.pointCount());
+  for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
+    for (std::size_t i = 0; i < cell.members.size(); ++i) {
+      const glm::vec3 q(memberPoint(scene, cell, i, p));
+      geometry.vertices.insert(geometry.vertices.end(), {q.x, q.y, q.z});
+    }
+    geometry.vertices.push_back(cell.mesh.inverseDistance[p]);
+    usable[p] = raysAgree(scene, cell, p);
+  }
+  for (std::uint8_t tier : {kTierAgrees, kTierRejected}) {
+    out.tier[tier].firstIndex = std::uint32_t(geometry.indices.size());
+    for (std::size_t t = 0; t < cell.mesh.triangles.size(); ++t) {
+      const glm::uvec3 v = cell.mesh.triangles[t];
+      if (cell.mesh.tier[t] == tier && usable[v.x] && usable[v.y] && usable[v.z])
+        geometry.indices.insert(geometry.indices.end(), {v.x, v.y, v.z});
+    }
+    out.tier[tier].indexCount = std::uint32_t(geometry.indices.size()) - out.tier[tier].firstIndex;
+  }
+}
+
+bool isPanorama(const Node& node) {
+  return node.camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+// In the nodes' order.
+std::vector<std::uint32_t> shownNodes(const Scene& scene) {
+  std::vector<bool> shown(scene.nodes.size(), false);
+  for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
+    for (const Cell& cell : *cells)
+      for (const std::uint32_t member : cell.members) shown[member] = true;
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t n = 0; n < shown.size(); ++n)
+    if (shown[n]) nodes.push_back(n);
+  return nodes;
+}
+
+// An empty buffer is not allowed; a scene without triangles is.
+Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage, const char* name,
+                 Uploader& uploader) {
+  // Storage: overlays fetch their vertices themselves.
+  usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  Buffer buffer(device, std::max<VkDeviceSize>(bytes.size(), 4), usage, MemoryKind::device, name);
+  if (!bytes.empty()) uploader.buffer(buffer, 0, bytes);
+  return buffer;
+}
+
+}  // namespace
+
+GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
+    : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
+  addMeshes(device, scene, options.stagingBytes);
+  const std::uint64_t meshBytes = vertices.allocatedBytes() + indices.allocatedBytes();
+  photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);
+  for (std::vector<Mesh>* meshes : {&cells, &backdrops})
+    for (Mesh& mesh : *meshes) {
+      const std::uint32_t first = mesh.members[0];
+      mesh.cubic = options.filter == TextureFilter::bicubic;
+      mesh.onePage = std::ranges::all_of(mesh.members, [&](std::uint32_t member) {
+        return member == first ||
+               (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
+                photographs->at(member).view == photographs->at(first).view);
+      });
+      bind(mesh, 0, 0);
+    }
+  if (!photographs->streams()) return;
+  cellsOfNode.resize(scene.nodes.size());
+  for (std::uint32_t c = 0; c < cells.size(); ++c)
+    for (const std::uint32_t member : cells[c].members) cellsOfNode[member].push_back(c);
+}
+
+void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes) {
+  Geometry geometry;
+  const auto add = [&](const Cell& cell, std::vector<Mesh>& meshes) {
+    Mesh& out = meshes.emplace_back();
+    out.members = cell.members;
+    out.exposed = requirements.gains;  // what has a gain of 1 is shown by the exposure of others
+    for (const std::uint32_t member : cell.members) {
+      Camera& camera = out.cameras.emplace_back(scene.nodes[member].camera);
+      camera.pose.rotation = glm::normalize(camera.pose.rotation);
+      out.gains.push_back(scene.nodes[member].gain);
+      out.panoramas |= std::uint32_t(isPanorama(scene.nodes[member])) << (out.cameras.size() - 1);
+    }
+    out.masked = isMasked(scene, cell);
+    appendMesh(scene, cell, geometry, out);
+  };
+  for (const Cell& cell : scene.cells) add(cell, cells);
+  for (const Cell& backdrop : scene.backdrops) add(backdrop, backdrops);
+  Uploader uploader(device, stagingBytes);
+  vertices = makeArena(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                       "cell vertices", uploader);
+  indices = makeArena(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
+                      "cell indices", uploader);
+  uploader.flush();
+}
+
+// Slots beyond the mesh's members repeat its first photograph; they are never sampled.
+void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame) {
+  PhotographSets::Slots slots;
+  mesh.layers.resize(mesh.members.size());
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const std::size_t member = i < mesh.members.size() ? i : 0;
+    const Photographs::Sampled sampled = photographs->at(mesh.members[member]);
+    slots[i] = {sampled.view, (mesh.panoramas >> member & 1) != 0};
+    if (i < mesh.members.size()) mesh.layers[i] = sampled.layer;
+  }
+  mesh.photographs = sets.get(slots, frame, completedFrame);
+}
+
+// Calls `visit` with every mesh of a plan, of the order now and of the one before; with some more than once.
+template <class Meshes, class Visit>
+void forDrawn(const FramePlan& plan, Meshes& cells, Meshes& backdrops, Visit&& visit) {
+  for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
+  for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
+  for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
+  for (const PlannedBackdrop& backdrop : plan.backdrops) visit(backdrops[backdrop.backdrop]);
+}
+
+WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {
+  WantedNodes wanted;
+  std::vector<bool> seen(scene.cellsOfNode.size(), false);
+  const auto addMembers = [&](const GpuScene::State::Mesh& mesh) {
+    for (const std::uint32_t member : mesh.members)
+      if (!seen[member]) {
+        seen[member] = true;
+        wanted.nodes.push_back(member);
+      }
+  };
+  forDrawn(plan, scene.cells, scene.backdrops, addMembers);
+  wanted.needed = wanted.nodes.size();
+
+  std::vector<bool> reached(scene.cells.size(), false);
+  std::vector<std::uint32_t> queue;
+  const auto reach = [&](std::uint32_t cell) {
+    if (reached[cell]) return;
+    reached[cell] = true;
+    queue.push_back(cell);
+  };
+  if (!plan.cells.empty()) reach(plan.cells[0].cell);
+  for (std::size_t i = 0; i < queue.size() && wanted.nodes.size() < most; ++i) {
+    addMembers(scene.cells[queue[i]]);
+    for (const std::uint32_t member : scene.cells[queue[i]].members)
+      for (const std::uint32_t cell : scene.cellsOfNode[member]) reach(cell);
+  }
+  return wanted;
+}
+
+GpuScene::GpuScene(Device& device, const Scene& scene, const GpuSceneOptions& options)
+    : state_(std::make_unique<State>(device, scene, options)) {}
+GpuScene::GpuScene(GpuScene&&) noexcept = default;
+GpuScene& GpuScene::operator=(GpuScene&&) noexcept = default;
+GpuScene::~GpuScene() = default;
+
+GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
+                                    std::uint64_t completedFrame) {
+  State& state = *state_;
+  if (!state.photographs->streams()) return {};
+  const WantedNodes wanted = wantedNodes(state, plan, state.photographs->mostResident());
+  const Streamed streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame, completedFrame,
+                                                      [&](VkImageView view) { state.sets.forget(view); });
+  forDrawn(plan, state.cells, state.backdrops,
+           [&](GpuScene::State::Mesh& mesh) { state.bind(mesh, frame, completedFrame); });
+  return streamed;
+}
+
+bool GpuScene::streams() const noexcept {
+  return state_->photographs->streams();
+}
+
+GpuScene::Memory GpuScene::memory() const noexcept {
+  return {.positions = state_->vertices.allocatedBytes(),
+          .indices = state_->indices.allocatedBytes(),
+          .textures = state_->photographs->allocatedBytes()};
+}
+
+}  // namespace ibr

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages: array images whose layers are photographs of one size and format.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/transfer/gpu_image.h"
+#include "ibr/texture.h"
+
+namespace ibr {
+
+VkFormat vulkanFormat(TextureFormat format) noexcept;
+
+/// Photographs that can share a page.
+struct PageClass {
+  TextureFormat format = TextureFormat::rgba8;
+  VkExtent2D extent{0, 0};                // of the photographs as nodes have them
+  std::uint32_t firstLevel = 0;           // the level that is level 0 of the page
+  std::vector<std::uint32_t> nodes = {};  // in their order
+
+  std::uint32_t levels() const noexcept;  // of the page
+  VkExtent2D pageExtent() const noexcept;
+  std::uint64_t layerBytes() const noexcept;  // of all levels; a device may add alignment
+  std::string text() const;                   // "photographs 4000x3000 as bc1"
+};
+
+/// With `layers` layers.
+GpuImageInfo pageInfo(const PageClass& pageClass, std::uint32_t layers) noexcept;
+
+/// Layers of a page of at most `bytes`: at least 1, at most what the device can have and there are photographs.
+std::uint32_t layersWithin(const Device& device, const PageClass& pageClass, std::uint64_t bytes);
+
+inline constexpr std::uint64_t kLargestPageBytes = std::uint64_t(256) << 20;
+
+struct PageSlot {
+  std::uint32_t page = 0, layer = 0;
+};
+
+/// Pages for all photographs of the classes, filled in the nodes' order.
+class FixedPages {
+ public:
+  FixedPages() = default;
+  /// `nodeCount`: of the scene. Throws Error (unsupported, outOfMemory).
+  FixedPages(const Device& device, std::span<const PageClass> classes, std::size_t nodeCount);
+
+  /// What it would allocate.
+  static std::uint64_t bytes(const Device& device, std::span<const PageClass> classes);
+
+  std::span<const GpuImage> pages() const noexcept { return pages_; }
+  const GpuImage& image(std::uint32_t node) const noexcept { return pages_[places_[node].page]; }
+  std::uint32_t layer(std::uint32_t node) const noexcept { return places_[node].layer; }
+  std::uint64_t allocatedBytes() const noexcept;
+
+ private:
+  std::vector<GpuImage> pages_;
+  std::vector<PageSlot> places_;
+};
+
+}  // namespace ibr

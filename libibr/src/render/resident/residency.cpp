@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "render/resident/residency.h"
+
+#include <algorithm>
+#include <cassert>
+#include <tuple>
+#include <utility>
+
+namespace ibr {
+
+Residency::Residency(std::vector<Class> classes, std::vector<std::uint32_t> classOf, std::uint64_t budgetBytes)
+    : classes_(std::move(classes)), photographs_(classOf.size()), budget_(budgetBytes) {
+  for (std::size_t p = 0; p < classOf.size(); ++p) photographs_[p].classIndex = classOf[p];
+}
+
+void Residency::begin(std::span<const std::uint32_t> wanted, std::size_t needed, std::uint64_t frame,
+                      std::uint64_t completed) {
+  assert(frame >= frame_ && completed < frame && needed <= wanted.size());
+  for (const std::uint32_t p : wanted_) photographs_[p].rank = kNone;
+  wanted_.assign(wanted.begin(), wanted.end());
+  needed_ = needed;
+  cursor_ = 0;
+  frame_ = frame;
+  completed_ = completed;
+  for (std::size_t rank = 0; rank < wanted_.size(); ++rank) {
+    Photograph& photograph = photographs_[wanted_[rank]];
+    assert(photograph.rank == kNone);
+    photograph.rank = std::uint32_t(rank);
+    photograph.refused = false;
+  }
+}
+
+std::optional<Residency::Step> Residency::next() {
+  for (; cursor_ < wanted_.size(); ++cursor_) {
+    const std::uint32_t p = wanted_[cursor_];
+    Photograph& urgent = photographs_[p];
+    if (urgent.state == State::leaving && urgent.claimedFrame < frame_) urgent.state = State::here;  // nobody insists
+    if (urgent.classIndex == kNone || urgent.state != State::away) continue;
+    for (std::uint32_t page = 0; page < pages_.size(); ++page) {
+      if (pages_[page].classIndex != urgent.classIndex) continue;
+      const auto free = std::ranges::find(pages_[page].layers, kNone);
+      if (free != pages_[page].layers.end()) return load(p, page, std::uint32_t(free - pages_[page].layers.begin()));
+    }
+    if (usedBytes_ + classes_[urgent.classIndex].pageBytes <= budget_) return makePage(urgent.classIndex);
+    std::uint32_t found = kNone;
+    const Room victim = findVictim(urgent, found);
+    if (victim == Room::found) {
+      const Photograph left = photographs_[found];
+      remove(found);
+      return load(p, left.page, left.layer);
+    }
+    const Room freed = findPageToFree(urgent, found);
+    if (freed == Room::found) {
+      for (const std::uint32_t other : pages_[found].layers)
+        if (other != kNone) remove(other);
+      usedBytes_ -= classes_[pages_[found].classIndex].pageBytes;
+      pages_[found] = {};
+      return Step{.kind = Step::Kind::freePage, .page = found};
+    }
+    urgent.refused = victim == Room::none && freed == Room::none;
+    if (cursor_ >= needed_) break;  // what is less urgent finds no room either, or waits
+  }
+  cursor_ = wanted_.size();
+  return std::nullopt;
+}
+
+Residency::Step Residency::load(std::uint32_t photograph, std::uint32_t page, std::uint32_t layer) {
+  Photograph& p = photographs_[photograph];
+  p.state = State::loading;
+  p.page = page;
+  p.layer = layer;
+  pages_[page].layers[layer] = photograph;
+  return {.kind = Step::Kind::load, .page = page, .photograph = photograph, .layer = layer};
+}
+
+Residency::Step Residency::makePage(std::uint32_t classIndex) {
+  const auto gone = std::ranges::find(pages_, kNone, &Page::classIndex);
+  const auto page = std::uint32_t(gone - pages_.begin());
+  if (gone == pages_.end()) pages_.emplace_back();
+  pages_[page] = {classIndex, frame_, std::vector<std::uint32_t>(classes_[classIndex].pageLayers, kNone)};
+  usedBytes_ += classes_[classIndex].pageBytes;
+  return {.kind = Step::Kind::makePage, .page = page, .photographClass = classIndex};
+}
+
+// The least urgent one of the same class; among equals the one that was not shown for longest. One whose frames have
+// finished is preferred.
+Residency::Room Residency::findVictim(const Photograph& urgent, std::uint32_t& victim) {
+  std::uint32_t idle = kNone, busy = kNone;
+  const auto worth = [&](std::uint32_t p) { return std::tuple(~photographs_[p].rank, photographs_[p].lastFrame, p); };
+  for (const Page& page : pages_) {
+    if (page.classIndex != urgent.classIndex) continue;
+    for (const std::uint32_t p : page.layers) {
+      if (p == kNone || photographs_[p].rank <= urgent.rank || photographs_[p].claimedFrame == frame_) continue;
+      const bool free = photographs_[p].state != State::loading && photographs_[p].lastFrame <= completed_;
+      std::uint32_t& best = free ? idle : busy;
+      if (best == kNone || worth(p) < worth(best)) best = p;
+    }
+  }
+  victim = idle;
+  if (idle != kNone) return Room::found;
+  if (busy == kNone) return Room::none;
+  claim(busy);
+  return Room::claimed;
+}
+
+// The one that was not used for longest. None is freed in vain, without room for the page that is to come.
+Residency::Room Residency::findPageToFree(const Photograph& urgent, std::uint32_t& best) {
+  std::uint64_t now = 0, later = 0;  // bytes that could be freed
+  std::vector<std::uint32_t> busy;
+  best = kNone;
+  for (std::uint32_t page = 0; page < pages_.size(); ++page) {
+    const Page& candidate = pages_[page];
+    if (candidate.classIndex == kNone || candidate.classIndex == urgent.classIndex) continue;
+    bool lessUrgent = true, idle = candidate.lastFrame <= completed_;
+    for (const std::uint32_t p : candidate.layers)
+      if (p != kNone) {
+        lessUrgent &= photographs_[p].rank > urgent.rank && photographs_[p].claimedFrame < frame_;
+        idle &= photographs_[p].state != State::loading;
+      }
+    if (!lessUrgent) continue;
+    (idle ? now : later) += classes_[candidate.classIndex].pageBytes;
+    if (!idle)
+      busy.push_back(page);
+    else if (best == kNone || candidate.lastFrame < pages_[best].lastFrame)
+      best = page;
+  }
+  const std::uint64_t wanted = usedBytes_ + classes_[urgent.classIndex].pageBytes;
+  if (wanted <= budget_ + now) return Room::found;
+  if (wanted > budget_ + now + later) return Room::none;
+  for (const std::uint32_t page : busy) {
+    for (const std::uint32_t p : pages_[page].layers)
+      if (p != kNone) claim(p);
+    now += classes_[pages_[page].classIndex].pageBytes;
+    if (wanted <= budget_ + now) break;
+  }
+  return Room::claimed;
+}
+
+void Residency::claim(std::uint32_t photograph) {
+  Photograph& p = photographs_[photograph];
+  p.claimedFrame = frame_;
+  if (p.state == State::here) p.state = State::leaving;
+}
+
+void Residency::remove(std::uint32_t photograph) {
+  Photograph& p = photographs_[photograph];
+  pages_[p.page].layers[p.layer] = kNone;
+  p.state = State::away;
+  p.page = p.layer = kNone;
+}
+
+void Residency::pageRefused(std::uint32_t page) {
+  usedBytes_ -= classes_[pages_[page].classIndex].pageBytes;
+  pages_[page] = {};
+  budget_ = usedBytes_;
+}
+
+void Residency::arrived(std::uint32_t photograph) {
+  Photograph& p = photographs_[photograph];
+  assert(p.state == State::loading);
+  p.state = State::here;
+  p.lastFrame = pages_[p.page].lastFrame = frame_;
+}
+
+void Residency::failed(std::uint32_t photograph) {
+  pages_[photographs_[photograph].page].lastFrame = frame_;  // some of its commands may be recorded
+  remove(photograph);
+  photographs_[photograph].state = State::failed;
+}
+
+std::optional<Residency::Seat> Residency::seat(std::uint32_t photograph) const {
+  const Photograph& p = photographs_[photograph];
+  if (p.state != State::here) return std::nullopt;
+  return Seat{p.page, p.layer};
+}
+
+Residency::Counts Residency::end() {
+  Counts counts{.needed = std::uint32_t(needed_)};
+  for (std::size_t i = 0; i < needed_; ++i) {
+    Photograph& p = photographs_[wanted_[i]];
+    if (p.classIndex == kNone) continue;
+    if (p.state == State::here) {
+      p.lastFrame = frame_;
+      pages_[p.page].lastFrame = frame_;
+    } else if (p.state == State::failed) {
+      ++counts.failed;
+    } else {
+      ++(p.refused ? counts.withoutRoom : counts.waiting);
+    }
+  }
+  return counts;
+}
+
+}  // namespace ibr

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The photographs of a scene on the device: all of them, or under a budget those that frames need (ibr/gpu_scene.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "ibr/gpu_scene.h"
+#include "render/resident/pages.h"
+#include "render/resident/photograph_stream.h"
+#include "render/resident/residency.h"
+
+namespace ibr {
+
+class Photographs {
+ public:
+  /// `nodes`: those that are shown, in order; `meshBytes`: how much of the budget is taken. Device and scene must
+  /// outlive it. Submits uploads and waits.
+  Photographs(const Device& device, const Scene& scene, const GpuSceneOptions& options,
+              const std::vector<std::uint32_t>& nodes, std::uint64_t meshBytes);
+
+  /// Where a photograph is to be sampled now.
+  struct Sampled {
+    VkImageView view;
+    std::uint32_t layer;
+  };
+  Sampled at(std::uint32_t node) const;
+
+  bool streams() const noexcept { return streams_; }
+  std::uint64_t allocatedBytes() const noexcept;
+
+  /// As GpuScene::stream, for nodes by urgency, the first `needed` of which are shown. `leaving` is called before a
+  /// page goes. Precondition: streams().
+  GpuScene::Streamed stream(VkCommandBuffer commandBuffer, std::span<const std::uint32_t> wanted, std::size_t needed,
+                            std::uint64_t frame, std::uint64_t completedFrame,
+                            const std::function<void(VkImageView)>& leaving);
+
+  /// How many photographs the budget could hold at most: more need not be wanted.
+  std::size_t mostResident() const noexcept { return mostResident_; }
+
+ private:
+  Texture load(std::uint32_t node, const PageClass& pageClass) const;
+  void fill(std::span<const PageClass> classes, std::uint64_t stagingBytes);
+  void setUpStreaming(std::uint64_t stagingBytes);
+  void runSteps(const std::function<void(VkImageView)>& leaving);
+  void makePage(const Residency::Step& step);
+  void beginLoad(const Residency::Step& step);
+  void report(const GpuScene::Streamed& streamed);
+
+  const Device* device_;
+  const Scene* scene_;
+  TextureSource source_;
+  LogCallback log_;
+  std::vector<PageClass> classes_;
+  FixedPages fixed_;  // of all photographs, or of their stand-ins
+
+  bool streams_ = false;
+  std::uint64_t budget_ = 0, meshBytes_ = 0;
+  std::vector<std::uint32_t> classOf_;     // of a node; Residency::kNone: not streamed, its stand-in is all of it
+  std::vector<std::uint32_t> pageLayers_;  // of a class
+  std::vector<GpuImage> pages_;            // as Residency numbers them
+  Residency residency_;
+  PhotographStream stream_;
+  std::uint32_t loading_ = Residency::kNone;  // node
+  std::size_t mostResident_ = 0;
+  std::uint32_t reportedWithoutRoom_ = 0;
+};
+
+}  // namespace ibr

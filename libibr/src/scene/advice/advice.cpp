@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ibr/advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "base/check.h"
+#include "base/median.h"
+#include "scene/advice/next_views.h"
+#include "scene/advice/sharpness_advice.h"
+#include "scene/advice/walk_estimate.h"
+
+namespace ibr {
+namespace {
+
+constexpr double kWide = 0.75;        // estimated share shown between neighbours below which they are too far apart
+constexpr double kDirection = 0.85;   // likewise at a place, of what a neighbour's look shows
+constexpr double kGoodShift = 0.2;    // of a step, in distances of what is seen: about 0.77 is shown halfway
+constexpr double kTwice = 0.05;       // radians between two looks from one place
+constexpr double kFewMatched = 0.25;  // share of a photograph that agrees with others, and …
+constexpr double kFewerThan = 0.4;    // … that share of its neighbours' median
+constexpr double kResidual = 0.003;   // of the longest side: poses are wrong, if …
+constexpr double kWorseThan = 2.5;    // … that many times the median of all cells
+constexpr double kStops = 1.0;        // of exposure, from the median of its neighbours
+constexpr double kTurnLess = 30;      // degrees from one photograph to the next
+constexpr double kLeastGain = 0.02;   // of a further photograph, at one stand
+const glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);  // of linear sRGB
+constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+
+int percent(double share) {
+  return int(std::lround(100 * share));
+}
+
+std::vector<std::vector<std::uint32_t>> cellMates(const Scene& scene) {
+  std::vector<std::set<std::uint32_t>> mates(scene.nodes.size());
+  for (const Cell& cell : scene.cells)
+    for (const std::uint32_t i : cell.members)
+      for (const std::uint32_t j : cell.members)
+        if (i != j) mates[i].insert(j);
+  std::vector<std::vector<std::uint32_t>> lists;
+  for (const auto& set : mates) lists.emplace_back(set.begin(), set.end());
+  return lists;
+}
+
+class Adviser {
+ public:
+  explicit Adviser(const Scene& scene)
+      : scene_(scene),
+        depths_(photographDepths(scene)),
+        places_(findPlaces(scene, depths_)),
+        walk_(scene, depths_, places_),
+        used_(scene.nodes.size(), false),
+        mates_(cellMates(scene)) {
+    for (const Cell& cell : scene.cells)
+      for (const std::uint32_t i : cell.members) used_[i] = true;
+  }
+
+  CaptureAdvice run(const AdviceOptions& options) {
+    if (tooFew()) return std::move(result_);
+    parts();
+    ways();
+    directions();
+    twice();
+    exposures();
+    matches();
+    poses();
+    row();
+    unused();
+    if (options.pictures)
+      for (Advice& advice : sharpnessAdvice(scene_, mates_)) result_.advice.push_back(std::move(advice));
+    result_.shown = walk_.shown();
+    result_.views = nextViews(scene_, places_, walk_, options.views, kLeastGain);
+    result_.shownThen = walk_.shown();
+    for (const WayRemedy& remedy : remedies_) agree(remedy);
+    sort();
+    return std::move(result_);
+  }
+
+ private:
+  struct WayRemedy {
+    std::size_t advice;  // in result_, before it is sorted
+    const Way* way;
+    std::uint32_t i, j;  // photographs at its ends
+    std::size_t more;    // to take between them
+  };
+
+  const std::string& name(std::uint32_t node) const { return scene_.nodes[node].name; }
+
+  void put(AdviceKind kind, Severity severity, std::vector<std::uint32_t> nodes, double figure, std::string sentence,
+           std::string remedy) {
+    std::ranges::sort(nodes, {}, [&](std::uint32_t i) -> const std::string& { return name(i); });
+    result_.advice.push_back({kind, severity, std::move(sentence), std::move(remedy), std::move(nodes), figure});
+  }
+
+  // Within a kind the worst first: the least share, or the most stops and pixels.
+  void sort() {
+    const auto worst = [](const Advice& a) {
+      if (std::isnan(a.figure)) return 0.0;
+      return a.kind == AdviceKind::exposure || a.kind == AdviceKind::pose ? -std::abs(a.figure) : a.figure;
+    };
+    std::ranges::sort(result_.advice, [&](const Advice& a, const Advice& b) {
+      if (a.severity != b.severity) return a.severity > b.severity;
+      if (a.kind != b.kind) return a.kind < b.kind;
+      return worst(a) != worst(b) ? worst(a) < worst(b) : a.sentence < b.sentence;
+    });
+  }
+
+  bool tooFew() {
+    const std::size_t count = scene_.nodes.size();
+    if (count < 2) {
+      put(AdviceKind::tooFew, Severity::serious, {}, double(count),
+          count == 0 ? "There is no photograph in this scene." : fmt::format("{} is the only photograph.", name(0)),
+          "Take at least three: step to the side by a tenth of the distance to what you photograph, and take the same "
+          "again.");
+      unused();
+      return true;
+    }
+    if (places_.places.size() == 1) {
+      put(AdviceKind::turned, Severity::serious, {}, kNoFigure,
+          fmt::format("All {} photographs were taken from one place, by turning the camera.", count),
+          "Nothing can be shown from anywhere else. Step aside by a tenth of the distance to what is near, and take "
+          "them again from there.");
+      unused();
+      return true;
+    }
+    if (!scene_.cells.empty()) return false;
+    put(AdviceKind::tooFew, Severity::serious, {}, 0, fmt::format("None of the {} photographs could be joined.", count),
+        "Neighbouring photographs must show the same things: take more of them, each with two thirds of its picture in "
+        "the next.");
+    unused();
+    return true;
+  }
+
+  void parts() {
+    const std::size_t count = places_.places.size();
+    std::vector<std::uint32_t> root(count);
+    std::iota(root.begin(), root.end(), 0u);
+    const auto find = [&](std::uint32_t i) {
+      while (root[i] != i) i = root[i] = root[root[i]];
+      return i;
+    };
+    for (const Cell& cell : scene_.cells)
+      for (const std::uint32_t i : cell.members)
+        root[find(places_.placeOf[i])] = find(places_.placeOf[cell.members[0]]);
+    part_.assign(count, 0);
+    std::map<std::uint32_t, std::vector<std::uint32_t>> members;  // used nodes
+    for (std::uint32_t p = 0; p < count; ++p) {
+      part_[p] = find(p);
+      for (const std::uint32_t n : places_.places[p].nodes)
+        if (used_[n]) members[part_[p]].push_back(n);
+    }
+    if (members.size() < 2) return;
+    std::vector<std::vector<std::uint32_t>> lists;
+    for (auto& [key, list] : members) lists.push_back(list);
+    std::ranges::sort(lists, [&](const auto& a, const auto& b) {
+      return a.size() != b.size() ? a.size() > b.size() : name(a[0]) < name(b[0]);
+    });
+    for (std::size_t i = 1; i < lists.size(); ++i) {
+      const auto [from, to] = nearest(lists[i], lists);
+      put(AdviceKind::apart, Severity::serious, lists[i], double(lists[i].size()),
+          fmt::format("Nothing leads from {} (a group of {} photographs) to the others; {} is the nearest of them.",
+                      name(from), lists[i].size(), name(to)),
+          fmt::format("Walk from {} to {} and take photographs on the way, each with two thirds of its picture in the "
+                      "next.",
+                      name(from), name(to)));
+    }
+  }
+
+  std::pair<std::uint32_t, std::uint32_t> nearest(const std::vector<std::uint32_t>& from,
+                                                  const std::vector<std::vector<std::uint32_t>>& lists) const {
+    std::pair<std::uint32_t, std::uint32_t> best{from[0], from[0]};
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& list : lists) {
+      if (&list == &from || list == from) continue;
+      for (const std::uint32_t i : from)
+        for (const std::uint32_t j : list) {
+          const double d = glm::distance(scene_.nodes[i].camera.pose.position, scene_.nodes[j].camera.pose.position);
+          if (d < least) least = d, best = {i, j};
+        }
+    }
+    return best;
+  }
+
+  // The photographs of two places that look most alike.
+  std::pair<std::uint32_t, std::uint32_t> mostAlike(const CaptureSite& a, const CaptureSite& b, double& angle) const {
+    std::pair<std::uint32_t, std::uint32_t> best{a.nodes[0], b.nodes[0]};
+    double most = -2;
+    for (const std::uint32_t i : a.nodes)
+      for (const std::uint32_t j : b.nodes) {
+        const double cosine = glm::dot(viewAxis(scene_.nodes[i].camera.pose), viewAxis(scene_.nodes[j].camera.pose));
+        if (cosine > most + 1e-9) most = cosine, best = {i, j};
+      }
+    angle = glm::degrees(std::acos(std::clamp(most, -1.0, 1.0)));
+    return best;
+  }
+
+  bool usedPlace(std::uint32_t place) const {
+    return std::ranges::any_of(places_.places[place].nodes, [&](std::uint32_t n) { return used_[n]; });
+  }
+
+  void ways() {
+    for (const Way& way : places_.ways) {
+      const CaptureSite &a = places_.places[way.a], &b = places_.places[way.b];
+      if (!usedPlace(way.a) || !usedPlace(way.b) || part_[way.a] != part_[way.b]) continue;
+      const double shown = walk_.shownFrom(0.5 * (a.position + b.position), {way.a, way.b});
+      if (!(shown < kWide)) continue;
+      double angle = 0;
+      const auto [i, j] = mostAlike(a, b, angle);
+      const double shift = way.length * 0.5 * (depths_[i].middle + depths_[j].middle);
+      const auto more = std::size_t(std::clamp(std::ceil(shift / kGoodShift) - 1, 1.0, 20.0));
+      const std::string between = fmt::format("{} and {}", name(i), name(j));
+      if (!way.joined && angle > kTurnLess)
+        put(AdviceKind::hole, Severity::warning, {i, j}, shown,
+            fmt::format("Nothing joins {}: they stand side by side and look {:.0f}° apart.", between, angle),
+            fmt::format("Take more in between, turning by less than {:.0f}° from one to the next.", kTurnLess));
+      else
+        put(way.joined ? AdviceKind::wide : AdviceKind::hole, Severity::warning, {i, j}, shown,
+            way.joined
+                ? fmt::format("{} are too far apart for what is near: about {} % of the picture can be shown halfway.",
+                              between, percent(shown))
+                : fmt::format("Nothing joins {}, which are neighbours: they are too far apart for what is near.",
+                              between),
+            more == 1 ? std::string("Take one more halfway between them.")
+                      : fmt::format("Take {} more between them, evenly spaced.", more));
+      if (way.joined || angle <= kTurnLess) remedies_.push_back({result_.advice.size() - 1, &way, i, j, more});
+    }
+  }
+
+  // Where one or two more are enough, the remedy is what is chosen between them: the estimate may like thirds better.
+  void agree(const WayRemedy& remedy) {
+    const glm::dvec3 from = places_.places[remedy.way->a].position,
+                     along = places_.places[remedy.way->b].position - from;
+    std::set<int> sixths;  // of the way
+    for (const NextView& view : result_.views) {
+      const glm::dvec3 to = view.camera.pose.position - from;
+      const double t = glm::dot(to, along) / glm::dot(along, along);
+      if (t > 0.1 && t < 0.9 && glm::distance(to, t * along) < 1e-6 * remedy.way->length)
+        sixths.insert(int(std::lround(6 * t)));
+    }
+    if (sixths.empty() || remedy.more > 2) return;
+    std::string& text = result_.advice[remedy.advice].remedy;
+    if (sixths.size() > 1)
+      text = sixths == std::set{2, 4} ? "Take two more between them, a third of the way from either."
+                                      : fmt::format("Take {} more between them, evenly spaced.", sixths.size());
+    else if (*sixths.begin() == 3)
+      text = "Take one more halfway between them.";
+    else
+      text = fmt::format("Take one more between them, a third of the way from {}.",
+                         name(*sixths.begin() < 3 ? remedy.i : remedy.j));
+  }
+
+  // At each place: what its neighbours show and it does not.
+  void directions() {
+    for (std::size_t s = 0; s < walk_.standCount(); ++s) {
+      const auto here = walk_.stand(s).place;
+      if (!here || !usedPlace(*here)) continue;
+      const auto worst = walk_.leastShown(s);
+      if (!worst || !(worst->shown < kDirection)) continue;
+      const CaptureSite& at = places_.places[*here];
+      const auto looksSo = [&](std::uint32_t place) {
+        return std::ranges::any_of(places_.places[place].nodes, [&](std::uint32_t n) {
+          return glm::dot(viewAxis(scene_.nodes[n].camera.pose), viewAxis(scene_.nodes[worst->node].camera.pose)) >
+                 std::cos(glm::radians(kTurnLess));
+        });
+      };
+      if (looksSo(*here) || std::ranges::count_if(at.beside, looksSo) < 2) continue;
+      put(AdviceKind::direction, Severity::warning, {at.nodes[0], worst->node}, worst->shown,
+          fmt::format("From where {} was taken nothing looks as {} does, beside it.", name(at.nodes[0]),
+                      name(worst->node)),
+          "Go there again, turn that way and take one more.");
+    }
+  }
+
+  void twice() {
+    for (const CaptureSite& place : places_.places)
+      for (std::size_t b = 1; b < place.nodes.size(); ++b)
+        for (std::size_t a = 0; a < b; ++a) {
+          const std::uint32_t i = place.nodes[a], j = place.nodes[b];
+          const Camera &first = scene_.nodes[i].camera, &second = scene_.nodes[j].camera;
+          const double same = std::abs(glm::dot(first.pose.rotation, second.pose.rotation));
+          if (2 * std::acos(std::min(1.0, same)) > kTwice) continue;
+          put(AdviceKind::twice, Severity::hint, {i, j}, kNoFigure,
+              fmt::format("{} repeats {}: taken from the same place, the same way.", name(j), name(i)),
+              "One of them will do; a step aside would show more.");
+          break;
+        }
+  }
+
+  // By the gains that make photographs alike: what was stored, not what is shown.
+  void exposures() {
+    const auto stops = [&](std::uint32_t n) { return -std::log2(glm::dot(scene_.nodes[n].gain, kLuminance)); };
+    for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
+      if (mates_[n].empty()) continue;
+      std::vector<double> theirs;
+      for (const std::uint32_t m : mates_[n]) theirs.push_back(stops(m));
+      const double jump = stops(n) - median(std::move(theirs));
+      if (!(std::abs(jump) > kStops)) continue;
+      put(AdviceKind::exposure, Severity::warning, {n}, jump,
+          fmt::format("{} is {:.1f} stops {} than the photographs beside it, {} for one.", name(n), std::abs(jump),
+                      jump > 0 ? "brighter" : "darker",
+                      name(*std::ranges::min_element(mates_[n], {}, [&](std::uint32_t m) { return name(m); }))),
+          "Lock the exposure before the first photograph, or set it by hand.");
+    }
+  }
+
+  void matches() {
+    for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
+      if (mates_[n].empty()) continue;
+      std::vector<double> theirs;
+      for (const std::uint32_t m : mates_[n]) theirs.push_back(depths_[m].agreedShare());
+      const double own = depths_[n].agreedShare();
+      if (!(own < kFewMatched) || !(own < kFewerThan * median(theirs))) continue;
+      put(AdviceKind::unmatched, Severity::warning, {n}, own,
+          fmt::format("Only {} % of {} agrees with the photographs beside it.", percent(own), name(n)),
+          "Is it blurred, or is much of it moving, shiny, plain, or hidden from its neighbours? Take it again, nearer "
+          "to "
+          "them.");
+    }
+  }
+
+  double residual(const Cell& cell) const {
+    double longest = 1;
+    for (const std::uint32_t i : cell.members) {
+      const Intrinsics& k = scene_.nodes[i].camera.intrinsics;
+      longest = std::max(longest, double(std::max(k.width, k.height)));
+    }
+    return cell.quality.residualPx / longest;
+  }
+
+  void poses() {
+    std::vector<double> all;
+    std::vector<std::vector<double>> ofNode(scene_.nodes.size());
+    for (const Cell& cell : scene_.cells)
+      if (const double r = residual(cell); std::isfinite(r)) {
+        all.push_back(r);
+        for (const std::uint32_t i : cell.members) ofNode[i].push_back(r);
+      }
+    const double typical = median(all);
+    const auto px = [&](double share, const Intrinsics& k) { return share * std::max(k.width, k.height); };
+    if (typical > kResidual) {
+      put(AdviceKind::pose, Severity::serious, {}, typical,
+          fmt::format("Where the photographs were taken from is not well known: what they show is off by {:.1f} % of "
+                      "the picture's width.",
+                      100 * typical),
+          "Estimate the poses again from sharper photographs that overlap more, with one lens and without zooming.");
+      return;
+    }
+    for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n) {
+      if (ofNode[n].empty()) continue;
+      const double least = *std::ranges::min_element(ofNode[n]);
+      if (!(least > kResidual) || !(least > kWorseThan * typical)) continue;
+      put(AdviceKind::pose, Severity::warning, {n}, least,
+          fmt::format("Where {} was taken from is doubtful: what it shows is off by {:.1f} px.", name(n),
+                      px(least, scene_.nodes[n].camera.intrinsics)),
+          "Leave it out (--exclude), or take it again with more overlap.");
+    }
+  }
+
+  void row() {
+    if (!places_.row || places_.places.size() < 3) return;
+    put(AdviceKind::row, Severity::hint, {}, kNoFigure,
+        "The photographs are joined in one row: one can walk along it, but not step aside, stoop or rise.",
+        "A second row beside it, or above, as far away as photographs are apart along it, adds that.");
+  }
+
+  void unused() {
+    for (const UnusedPhotograph& photo : scene_.unused) {
+      std::vector<std::uint32_t> nodes;
+      for (std::uint32_t n = 0; n < scene_.nodes.size(); ++n)
+        if (scene_.nodes[n].name == photo.name) nodes.push_back(n);
+      put(AdviceKind::unused, Severity::warning, std::move(nodes), kNoFigure,
+          fmt::format("{} is not used: {}.", photo.name, photo.reason),
+          // Files that are not read say themselves what to do.
+          nodes.empty() && photo.reason != kNotRegistered
+              ? ""
+              : "Take it again nearer to the others, with two thirds of its picture in the next.");
+    }
+  }
+
+  const Scene& scene_;
+  const std::vector<PhotographDepth> depths_;
+  const Places places_;
+  WalkEstimate walk_;
+  std::vector<bool> used_;
+  const std::vector<std::vector<std::uint32_t>> mates_;  // of each node those that share a cell with it
+  std::vector<std::uint32_t> part_;                      // of each place
+  std::vector<WayRemedy> remedies_;
+  CaptureAdvice result_;
+};
+
+}  // namespace
+
+const char* adviceKindName(AdviceKind kind) noexcept {
+  constexpr const char* kNames[] = {"tooFew",  "turned",    "apart", "hole",   "wide",  "direction", "exposure",
+                                    "blurred", "unmatched", "pose",  "unused", "twice", "row"};
+  return kNames[std::size_t(kind)];
+}
+
+const char* severityName(Severity severity) noexcept {
+  constexpr const char* kNames[] = {"hint", "warning", "serious"};
+  return kNames[std::size_t(severity)];
+}
+
+CaptureAdvice adviseCapture(const Scene& scene, const AdviceOptions& options) {
+  const std::vector<Fault> faults = validate(scene, 1);
+  if (!faults.empty())
+    fail(ErrorCode::invalidInput, "{}: {} {}", scene.folder.string(), faults[0].field, faults[0].message);
+  return Adviser(scene).run(options);
+}
+
+}  // namespace ibr

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/advice/walk_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <map>
+#include <set>
+
+namespace ibr {
+namespace {
+
+constexpr double kAngle = 0.375;     // radians at which a share of 1/e is shown well: fitted to the coverage of cells
+constexpr double kMostAngle = 0.8;   // beyond it a thing is another thing, seen from there: not looked for
+constexpr double kNearer = 1.4;      // a photograph does not see what lies so much further than what it does see
+constexpr double kCorner = 0.5;      // weight of a stand outside of what was photographed
+constexpr double kAside = 0.1;       // likewise, beside a row
+constexpr double kSquare = 0.35;     // |cos| below which two ways from a place go to corners of a grid
+constexpr double kAhead = 0.5;       // sine of the angle between row and view below which one looks along the row
+constexpr int kMostStands = 4;       // along one way
+constexpr double kLeastPoints = 20;  // of a photograph, that say how well it is shown
+constexpr int kStride = 2;           // of the depth grid's cells, along both sides
+constexpr std::size_t kMostPlaces = 600;  // with stands of their own: of more, evenly chosen ones
+
+double angleBetween(glm::dvec3 a, glm::dvec3 b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
+bool inPicture(const Intrinsics& k, const std::optional<glm::dvec2>& pixel) {
+  return pixel && pixel->x >= 0 && pixel->y >= 0 && pixel->x <= k.width && pixel->y <= k.height;
+}
+
+std::optional<glm::dvec2> seenAt(const Camera& camera, glm::dvec3 direction) {
+  return project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * direction);
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> besideRow(const Scene& scene, const Places& places, std::uint32_t place) {
+  const CaptureSite& p = places.places[place];
+  if (p.beside.empty()) return {};
+  const glm::dvec3 from = p.beside.size() > 1 ? places.places[p.beside[0]].position : p.position;
+  const glm::dvec3 along = places.places[p.beside.back()].position - from;
+  const Camera& camera = scene.nodes[p.nodes[0]].camera;
+  const glm::dvec3 axis = viewAxis(camera.pose), up = camera.pose.rotation * glm::dvec3(0, 1, 0);
+  const bool ahead = glm::length(glm::cross(along, axis)) < kAhead * glm::length(along);
+  const glm::dvec3 aside = glm::cross(along, ahead ? up : axis);
+  if (!(glm::length(aside) > 0)) return {};
+  const glm::dvec3 step = places.step * glm::normalize(aside);
+  return {step, -step};
+}
+
+double shownAt(double angle) {
+  return angle < kMostAngle ? std::exp(-angle / kAngle) : 0.0;
+}
+
+WalkEstimate::WalkEstimate(const Scene& scene, const std::vector<PhotographDepth>& depths, const Places& places)
+    : scene_(scene), depths_(depths), places_(places), standsOf_(places.places.size()) {
+  placeStands();
+  for (std::uint32_t s = 0; s < stands_.size(); ++s)
+    for (const std::uint32_t p : stands_[s].stand.places) standsOf_[p].push_back(s);
+}
+
+void WalkEstimate::placeStands() {
+  const auto& all = places_.places;
+  const std::size_t stride = 1 + all.size() / kMostPlaces;
+  const auto put = [&](glm::dvec3 at, std::vector<std::uint32_t> among, double weight) {
+    std::ranges::sort(among);
+    stands_.push_back(look({at, std::move(among), weight, std::nullopt}));
+  };
+  for (std::uint32_t p = 0; p < all.size(); p += std::uint32_t(stride)) {
+    std::vector<std::uint32_t> among = all[p].beside;
+    among.push_back(p);
+    put(all[p].position, std::move(among), 1);
+    stands_.back().stand.place = p;
+  }
+  for (std::size_t w = 0; w < places_.ways.size(); w += stride) {
+    const Way& way = places_.ways[w];
+    const int count = std::clamp(int(std::lround(way.length / places_.step)), 1, kMostStands);
+    for (int k = 1; k <= count; ++k) {
+      const double t = double(k) / (count + 1);
+      put(all[way.a].position * (1 - t) + all[way.b].position * t, {way.a, way.b}, 1);
+    }
+  }
+  std::set<std::vector<std::uint32_t>> seen;
+  for (const Cell& cell : scene_.cells) {
+    std::set<std::uint32_t> among;
+    for (const std::uint32_t i : cell.members) among.insert(places_.placeOf[i]);
+    const std::vector<std::uint32_t> list(among.begin(), among.end());
+    if (list.size() < 3 || !seen.insert(list).second || seen.size() % stride != 0) continue;
+    glm::dvec3 middle(0);
+    for (const std::uint32_t p : list) middle += all[p].position / double(list.size());
+    put(middle, list, 1);
+  }
+  // Where a place and two of its neighbours make three corners of a square, the fourth.
+  std::vector<glm::dvec3> corners;
+  for (std::uint32_t c = 0; c < all.size(); c += std::uint32_t(stride))
+    for (std::size_t i = 0; i < all[c].beside.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const std::uint32_t a = all[c].beside[i], b = all[c].beside[j];
+        const glm::dvec3 u = all[a].position - all[c].position, v = all[b].position - all[c].position;
+        const double shorter = std::min(glm::length(u), glm::length(v));
+        if (std::abs(glm::dot(u, v)) > kSquare * glm::length(u) * glm::length(v)) continue;
+        const glm::dvec3 corner = all[c].position + u + v;
+        const auto taken = [&](glm::dvec3 p) { return glm::distance(p, corner) < 0.5 * shorter; };
+        if (std::ranges::any_of(all, [&](const CaptureSite& p) { return taken(p.position); })) continue;
+        if (std::ranges::any_of(corners, taken)) continue;
+        corners.push_back(corner);
+        put(corner, {a, b, c}, kCorner);
+      }
+  if (!places_.row) return;
+  for (std::uint32_t p = 0; p < all.size(); p += std::uint32_t(stride))
+    for (const glm::dvec3& aside : besideRow(scene_, places_, p)) {
+      std::vector<std::uint32_t> among = all[p].beside;
+      among.push_back(p);
+      put(all[p].position + aside, std::move(among), kAside);
+    }
+}
+
+bool WalkEstimate::sees(std::uint32_t node, glm::dvec3 target, bool far) const {
+  const Camera& camera = scene_.nodes[node].camera;
+  const glm::dvec3 ray = far ? target : target - camera.pose.position;
+  const auto pixel = seenAt(camera, ray);
+  if (!inPicture(camera.intrinsics, pixel)) return false;
+  const double inverse = depths_[node].at(camera.intrinsics, *pixel);
+  if (!(inverse > 0)) return true;
+  return !far && glm::length(ray) * inverse < kNearer;
+}
+
+// What its places' photographs see, if one looked the same way from here.
+WalkEstimate::Known WalkEstimate::look(Stand stand) const {
+  Known known{std::move(stand), {}};
+  const glm::dvec3 at = known.stand.position;
+  std::vector<std::uint32_t> nodes;
+  for (const std::uint32_t p : known.stand.places)
+    nodes.insert(nodes.end(), places_.places[p].nodes.begin(), places_.places[p].nodes.end());
+  for (const std::uint32_t n : nodes) {
+    const Camera& camera = scene_.nodes[n].camera;
+    const PhotographDepth& depth = depths_[n];
+    for (int y = kStride / 2; y < depth.rows; y += kStride)
+      for (int x = kStride / 2; x < depth.columns; x += kStride) {
+        const glm::dvec2 pixel = depth.pixel(camera.intrinsics, x, y);
+        const double inverse = depth.at(camera.intrinsics, pixel);
+        if (std::isnan(inverse)) continue;
+        const glm::dvec3 ray = camera.pose.rotation * unproject(camera.intrinsics, pixel);
+        const bool far = inverse * glm::distance(camera.pose.position, at) < 1e-6;
+        const glm::dvec3 target = camera.pose.position + ray / std::max(inverse, 1e-300);
+        Point point{far ? ray : target - at, far, n, 0};
+        if (!inPicture(camera.intrinsics, seenAt(camera, point.ray))) continue;
+        double least = angleAt(point, at, camera);
+        if (least >= kMostAngle) continue;
+        for (const std::uint32_t other : nodes) {
+          if (other == n) continue;
+          const double angle = angleAt(point, at, scene_.nodes[other].camera);
+          if (angle < least && sees(other, far ? ray : target, far)) least = angle;
+        }
+        point.shown = float(shownAt(least));
+        known.points.push_back(point);
+      }
+  }
+  return known;
+}
+
+double WalkEstimate::angleAt(const Point& point, glm::dvec3 stand, const Camera& camera) const {
+  return point.far ? 0.0 : angleBetween(-point.ray, camera.pose.position - stand - point.ray);
+}
+
+namespace {
+
+template <class Points>
+double meanShown(const Points& points) {
+  if (points.empty()) return 1;
+  double sum = 0;
+  for (const auto& point : points) sum += point.shown;
+  return sum / double(points.size());
+}
+
+}  // namespace
+
+double WalkEstimate::shown(std::size_t stand) const {
+  return meanShown(stands_[stand].points);
+}
+
+double WalkEstimate::shown() const {
+  double sum = 0, weights = 0;
+  for (const Known& known : stands_) {
+    sum += known.stand.weight * meanShown(known.points);
+    weights += known.stand.weight;
+  }
+  return weights > 0 ? sum / weights : 1.0;
+}
+
+std::optional<WalkEstimate::Worst> WalkEstimate::leastShown(std::size_t stand) const {
+  struct Sum {
+    double shown = 0, points = 0;
+  };
+  std::map<std::uint32_t, Sum> sums;
+  for (const Point& point : stands_[stand].points) {
+    sums[point.node].shown += point.shown;
+    sums[point.node].points += 1;
+  }
+  std::optional<Worst> worst;
+  for (const auto& [node, sum] : sums) {
+    if (sum.points < kLeastPoints) continue;
+    const double shown = sum.shown / sum.points;
+    if (!worst || shown < worst->shown ||
+        (shown == worst->shown && scene_.nodes[node].name < scene_.nodes[worst->node].name))
+      worst = Worst{node, shown};
+  }
+  return worst;
+}
+
+double WalkEstimate::shownFrom(glm::dvec3 position, const std::vector<std::uint32_t>& places) const {
+  return meanShown(look({position, places, 1, std::nullopt}).points);
+}
+
+// `visit(stand, point, shown)` for what the camera would show better than it is shown now.
+template <class Visit>
+void WalkEstimate::visitNear(const Camera& camera, const std::vector<std::uint32_t>& places, const Visit& visit) const {
+  std::set<std::uint32_t> near;
+  for (const std::uint32_t p : places) near.insert(standsOf_[p].begin(), standsOf_[p].end());
+  for (const std::uint32_t s : near) {
+    const Known& known = stands_[s];
+    const glm::dvec3 to = camera.pose.position - known.stand.position;
+    for (std::uint32_t i = 0; i < known.points.size(); ++i) {
+      const Point& point = known.points[i];
+      const double angle = angleAt(point, known.stand.position, camera);
+      const double shown = shownAt(angle);
+      if (shown <= point.shown) continue;
+      if (inPicture(camera.intrinsics, seenAt(camera, point.far ? point.ray : point.ray - to))) visit(s, i, shown);
+    }
+  }
+}
+
+double WalkEstimate::gain(const Camera& camera, const std::vector<std::uint32_t>& places) const {
+  double sum = 0;
+  visitNear(camera, places, [&](std::uint32_t s, std::uint32_t i, double shown) {
+    const Known& known = stands_[s];
+    sum += known.stand.weight * (shown - known.points[i].shown) / double(known.points.size());
+  });
+  return sum;
+}
+
+void WalkEstimate::add(const Camera& camera, const std::vector<std::uint32_t>& places) {
+  struct Change {
+    std::uint32_t stand, point;
+    double shown;
+  };
+  std::vector<Change> changes;
+  visitNear(camera, places, [&](std::uint32_t s, std::uint32_t i, double shown) { changes.push_back({s, i, shown}); });
+  for (const Change& c : changes) stands_[c.stand].points[c.point].shown = float(c.shown);
+}
+
+}  // namespace ibr

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// bench: the report's keys, on tiny pictures. Times are not looked at.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "apps/support/run_program.h"
+
+using namespace ibr;
+using Catch::Contains;
+using test::runProgram;
+
+TEST_CASE("bench of a generated scene reports every way's frames and passes", "[T26]") {
+  if (!test::deviceIsThere()) return;
+  const auto outcome = runProgram({"bench", "--generated", "stitched-5,panorama-1", "--generated-detail", "0.05",
+                                   "--size", "64x36", "--views", "1", "--repeat", "2", "--stereo", "--json", "-"},
+                                  {.environment = {"VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation"}});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.err.find("VUID") == std::string::npos);
+  const auto report = nlohmann::json::parse(outcome.out);
+  for (const char* key : {"device", "size", "frames", "passes", "passTimes", "settings", "scene"})
+    CHECK(report.contains(key));
+  CHECK(report["size"] == nlohmann::json{64, 36});
+  REQUIRE(report["frames"].size() == 2 * 10);
+  std::size_t stereo = 0, paper = 0, mapped = 0, dithered = 0, hidden = 0;
+  for (const auto& frame : report["frames"]) {
+    for (const char* key :
+         {"scene", "cells", "drawn", "triangles", "way", "colourMapping", "blend", "views", "medianMs", "p95Ms", "n",
+          "ratioToPaper", "ratioToUnmapped", "ratioToTwoMono", "hiddenCorners", "ratioToWhole"})
+      CHECK(frame.contains(key));
+    CHECK((frame["way"] == "paper" || frame["way"] == "ours"));
+    CHECK(frame["n"] == 2);
+    CHECK(frame["cells"] == (frame["scene"] == "panorama-1" ? 1 : 5));
+    CHECK(frame["drawn"] == frame["cells"]);
+    CHECK(frame["triangles"] == (frame["scene"] == "panorama-1" ? 25920 : 28200));
+    CHECK(frame["medianMs"] > 0);
+    CHECK(frame["ratioToPaper"] > 0);
+    CHECK(frame["ratioToTwoMono"].is_null() == (frame["views"] == 1));
+    CHECK(frame["ratioToWhole"].is_null() != frame["hiddenCorners"].get<bool>());
+    hidden += frame["hiddenCorners"].get<bool>();
+    if (frame["way"] == "paper" && frame["colourMapping"] == "off") CHECK(frame["ratioToPaper"] == 1);
+    stereo += frame["views"] == 2;
+    paper += frame["way"] == "paper";
+    mapped += frame["colourMapping"] != "off";
+    dithered += frame["blend"] == "dither";
+  }
+  CHECK((stereo == 2 * 4 && paper == 2 * 4 && mapped == 2 * 4 && dithered == 2 && hidden == 2));
+  REQUIRE(!report["passes"].empty());
+  std::size_t tables = 0;
+  for (const auto& pass : report["passes"]) {
+    for (const char* key : {"scene", "cells", "way", "colourMapping", "views", "pass", "medianMs", "p95Ms", "n"})
+      CHECK(pass.contains(key));
+    if (pass["pass"] == "colour tables") {
+      ++tables;
+      CHECK((pass["way"] == "ours" && pass["colourMapping"] == "ours" && pass["scene"] == "stitched-5"));
+    }
+  }
+  CHECK(tables == 2);  // one view and two; a single panorama has nothing to map
+}
+
+TEST_CASE("bench: what is measured must be one of two things") {
+  for (const std::vector<std::string>& line :
+       std::vector<std::vector<std::string>>{{"bench"},
+                                             {"bench", "--generated", "stitched-6"},
+                                             {"bench", "scene", "--generated", "all"},
+                                             {"bench", "--generated", "all", "--formats"},
+                                             {"bench", "--generated", "all", "--walk", "path.json"},
+                                             {"bench", "scene", "--stereo", "--formats"},
+                                             {"bench", "--generated", "all", "--generated-detail", "0"}}) {
+    const auto outcome = runProgram(line);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.out.empty());
+  }
+}

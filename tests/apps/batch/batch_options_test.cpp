@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+// Help, wrong command lines, wrong files, full disks: exit codes and where the words go.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "apps/support/run_program.h"
+#include "support/temporary_folder.h"
+
+using namespace ibr;
+using Catch::Contains;
+using test::runProgram;
+
+namespace {
+const std::vector<std::string> kCommands{"build", "info", "validate", "render", "eval", "compare", "bench", "device"};
+}
+
+TEST_CASE("every command has help, with examples first") {
+  for (const std::string& command : kCommands)
+    for (const char* flag : {"--help", "-h"}) {
+      const auto outcome = runProgram({command, flag});
+      INFO(command);
+      CHECK(outcome.code == 0);
+      CHECK(outcome.err.empty());
+      CHECK_THAT(outcome.out, Catch::StartsWith("Examples:\n  ibr " + command));
+      for (const char* common : {"--json", "--device", "--seed", "--threads", "--quiet", "--verbose", "--version"})
+        CHECK_THAT(outcome.out, Contains(common));
+    }
+  const auto outcome = runProgram({"--help"});
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.out, Catch::StartsWith("Examples:"));
+  for (const std::string& command : kCommands) CHECK_THAT(outcome.out, Contains("\n  " + command + " "));
+}
+
+TEST_CASE("the version is known to the program and to every command") {
+  CHECK_THAT(runProgram({"--version"}).out, Catch::StartsWith("ibr 0."));
+  for (const std::string& command : kCommands) CHECK_THAT(runProgram({command, "--version"}).out, Contains("ibr 0."));
+}
+
+TEST_CASE("a wrong command line is exit code 1, said on stderr") {
+  const std::vector<std::vector<std::string>> lines{
+      {},
+      {"nonsense"},
+      {"optimise", "scene"},
+      {"build"},
+      {"build", "photos"},
+      {"build", "photos", "-o"},
+      {"build", "photos", "-o", "scene", "--dimension", "4"},
+      {"build", "photos", "-o", "scene", "--max-size", "-1"},
+      {"build", "photos", "-o", "scene", "--max-size", "12.5"},
+      {"build", "photos", "-o", "scene", "--seed", "x"},
+      {"build", "photos", "-o", "scene", "--seed", "-1"},
+      {"build", "photos", "-o", "scene", "--threads", "1e3"},
+      {"info"},
+      {"info", "a", "b"},
+      {"info", "a", "--nonsense"},
+      {"render", "scene", "-o", "out"},
+      {"render", "scene", "--poses", "p"},
+      {"render", "scene", "--poses", "p", "--path", "auto:3", "-o", "out"},
+      {"render", "scene", "--path", "auto", "-o", "out"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--ipd", "0.06"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--stereo", "--ipd", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--fov", "180"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--overlay", "tiers", "--colour", "paper"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--overlay", "heat"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--mute", "1,"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--solo", "-1"},
+      {"render", "scene", "--path", "auto:0", "-o", "out"},
+      {"render", "scene", "--path", "auto:4294967297", "-o", "out"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--size", "100"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--size", "0x100"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--size", "100x99999"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--tiers", "4"},
+      {"build", "photos", "-o", "scene", "--texture", "bc2"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--vram-budget", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--vram-budget", "M"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--vram-budget", "1.5T"},
+      {"eval", "scene", "--truth", "t", "--vram-budget", "-1G"},
+      {"bench", "scene", "--vram-budget", "1e30"},
+      {"bench", "scene", "--formats", "--walk", "path.json"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--filter", "cubic"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--blocks", "no"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--cells", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--cells", "65"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--morph", "theirs"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--order", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--blend", "smooth"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--extrapolation", "nan"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--colour", "theirs"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--colour-table", "linear"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--colour-samples", "1.01"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--extrapolation", "0,5"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--preset", "best"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--render-scale", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--texture-scale", "0"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--eye-colours", "both"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--backdrops", "65"},
+      {"eval", "scene"},
+      {"eval", "--truth", "t"},
+      {"eval", "--leave-one-out"},
+      {"eval", "--truth", "t", "--leave-one-out", "photographs"},
+      {"eval", "scene", "--leave-one-out", "photographs"},
+      {"eval", "--leave-one-out", "photographs", "--every", "0"},
+      {"eval", "scene", "--truth", "t", "--every", "2"},
+      {"eval", "scene", "--truth", "t", "--max-size", "100"},
+      {"compare", "a.png"},
+      {"compare", "a.png", "b.png", "--tolerance", "1", "2"},
+      {"compare", "a.png", "b.png", "--tolerance", "1", "2", "256"},
+      {"compare", "a.png", "b.png", "--tolerance", "1", "101", "3"},
+      {"device", "extra"},
+  };
+  for (const auto& line : lines) {
+    std::string text;
+    for (const std::string& word : line) text += word + ' ';
+    INFO(text);
+    const auto outcome = runProgram(line);
+    CHECK(outcome.code == 1);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, Contains("error:") && Contains("--help"));
+  }
+}
+
+TEST_CASE("a file that is not there is exit code 2, and named") {
+  test::TemporaryFolder folder;
+  const std::string missing = folder / "missing";
+  const std::vector<std::vector<std::string>> lines{
+      {"build", missing, "-o", folder / "scene"},
+      {"build", folder.path(), "-o", folder / "scene", "--model", missing},
+      {"build", folder.path(), "-o", folder / "scene", "--model", folder.path(), "--exclude-from", missing},
+      {"info", missing},
+      {"render", missing, "--path", "auto:3", "-o", folder / "out"},
+      {"eval", missing, "--truth", folder.path()},
+      {"compare", missing, missing},
+  };
+  for (const auto& line : lines) {
+    INFO(line[0] << ' ' << line[1]);
+    const auto outcome = runProgram(line);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, Contains("error:") && Contains(missing));
+  }
+  CHECK(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_CASE("no photographs and no poses: the answer counts them") {
+  test::TemporaryFolder folder;
+  const auto outcome = runProgram({"build", folder.path(), "-o", folder / "scene"});
+  CHECK(outcome.code == 3);
+  CHECK_THAT(outcome.err, Contains(folder.path().string()) && Contains("there are 0"));
+}
+
+TEST_CASE("a malformed file is exit code 3, and named") {
+  test::TemporaryFolder folder;
+  const std::string file = folder / "scene.gltf";
+  writeFile(file, "{\"asset\":");
+  writeFile(folder / "cameras.txt", "1 PINHOLE 10\n");
+  writeFile(folder / "images.txt", "");
+  writeFile(folder / "points3D.txt", "");
+  const std::vector<std::vector<std::string>> lines{
+      {"info", folder.path()},
+      {"validate", folder.path()},
+      {"render", folder.path(), "--path", "auto:3", "-o", folder / "out"},
+      {"eval", folder.path(), "--truth", folder.path()},
+      {"compare", file, file},
+      {"build", folder.path(), "-o", folder / "out", "--model", folder.path()},
+  };
+  for (const auto& line : lines) {
+    INFO(line[0]);
+    const auto outcome = runProgram(line);
+    CHECK(outcome.code == 3);
+    CHECK_THAT(outcome.err + outcome.out, Contains(folder.path().string()));
+    CHECK_THAT(outcome.err + outcome.out,
+               Contains("scene.gltf") || Contains("cameras.txt") || Contains("/asset: is not valid JSON"));
+  }
+}
+
+TEST_CASE("device lists what there is") {
+  if (!test::deviceIsThere()) return;
+  const auto outcome = runProgram({"device", "--json", "-"});
+  REQUIRE(outcome.code == 0);
+  const auto report = nlohmann::json::parse(outcome.out);
+  REQUIRE(!report.at("devices").empty());
+  for (const auto& device : report.at("devices"))
+    for (const char* key : {"index", "name", "driver", "type", "apiVersion", "memoryBytes", "features", "lacking"})
+      CHECK(device.contains(key));
+  CHECK_THAT(runProgram({"device"}).out, Contains(report["devices"][0]["name"].get<std::string>()));
+}
+
+TEST_CASE("what is disabled is told, and names are checked", "[mask]") {
+  for (const char* command : {"device", "doctor"}) {
+    const auto outcome = runProgram({command, "--disable-feature", "bc,multiview"});
+    CHECK_THAT(outcome.out + outcome.err, Contains("bc, multiview"));
+    CHECK_THAT(runProgram({command}, {.environment = {"IBR_DISABLE_FEATURES=int64"}}).out,
+               Contains("used: int64") || Contains("FEATURES: int64"));
+  }
+  const auto report = nlohmann::json::parse(runProgram({"device", "--json", "-", "--disable-feature", "bc"}).out);
+  CHECK(report.at("disabledFeatures") == std::vector<std::string>{"bc"});
+  const auto wrong = runProgram({"device", "--disable-feature", "bc,teleport"});
+  CHECK(wrong.code == 1);
+  CHECK_THAT(wrong.err, Contains("--disable-feature") && Contains("'teleport' is no optional feature to disable") &&
+                            Contains("int64-atomics"));
+  CHECK(runProgram({"device"}, {.environment = {"IBR_DISABLE_FEATURES=teleport"}}).code == 3);
+}
+
+TEST_CASE("a report or a result that cannot be written is exit code 2") {
+  CHECK(runProgram({"device"}, {.out = "/dev/full"}).code == 2);
+  CHECK(runProgram({"--help"}, {.out = "/dev/full"}).code == 2);
+  CHECK(runProgram({"device", "--json", "/dev/full"}).code == 2);
+  CHECK(runProgram({"device", "--json", "-"}, {.out = "/dev/full"}).code == 2);
+  CHECK(runProgram({"device", "--json", "/no/such/folder/a.json"}).code == 2);
+}
+
+TEST_CASE("colours only on a terminal, and not with NO_COLOR") {
+  const std::vector<std::string> wrong{"info", "/no/such/scene"};
+  CHECK_THAT(runProgram(wrong, {.environment = {"TERM=xterm"}}).err, !Contains("\033"));
+  CHECK_THAT(runProgram(wrong, {.environment = {"TERM=xterm", "NO_COLOR="}, .terminal = true}).err,
+             Contains("\033[1;31m"));
+  CHECK_THAT(runProgram(wrong, {.environment = {"TERM=xterm", "NO_COLOR=1"}, .terminal = true}).err, !Contains("\033"));
+  CHECK_THAT(runProgram(wrong, {.environment = {"TERM=dumb"}, .terminal = true}).err, !Contains("\033"));
+}

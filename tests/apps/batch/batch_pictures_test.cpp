@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "io/image_file.h"
+#include "apps/support/run_program.h"
+#include "support/temporary_folder.h"
+
+using namespace ibr;
+using test::runProgram;
+
+TEST_CASE("compare: figures, tolerance and difference picture") {
+  test::TemporaryFolder folder;
+  Image8 a(20, 20, 3, 100), b = a;
+  b.pixel(3, 4)[1] = 110;    // 1 of 400 pixels by 10 levels
+  b.pixel(19, 19)[2] = 103;  // another by 3
+  writeImage(folder / "a.png", a);
+  writeImage(folder / "b.png", b);
+  const auto compare = [&](std::vector<std::string> more) {
+    std::vector<std::string> line{"compare", folder / "a.png", folder / "b.png"};
+    line.insert(line.end(), more.begin(), more.end());
+    return runProgram(line).code;
+  };
+  CHECK(compare({}) == 0);
+  CHECK(compare({"--tolerance", "0", "0.5", "10"}) == 0);
+  CHECK(compare({"--tolerance", "0", "0.45", "255"}) == 6);
+  CHECK(compare({"--tolerance", "3", "0.25", "10"}) == 0);
+  CHECK(compare({"--tolerance", "3", "0.2", "10"}) == 6);
+  CHECK(compare({"--tolerance", "0", "100", "9"}) == 6);
+
+  const std::string json = folder / "report.json", picture = folder / "difference.png";
+  CHECK(compare({"--tolerance", "3", "0.25", "10", "--json", json, "-o", picture, "--gain", "20"}) == 0);
+  const auto report = nlohmann::json::parse(readTextFile(json));
+  CHECK(report.at("largest") == 10);
+  CHECK(report.at("percentAbove").get<double>() == Approx(0.25));
+  CHECK(report.at("meanAbsolute").get<double>() == Approx(13.0 / 1200));
+  CHECK(report.at("psnr").get<double>() == Approx(10 * std::log10(255.0 * 255.0 * 1200 / 109)));
+  CHECK(report.at("ssim").get<double>() < 1);
+  CHECK(report.at("within") == true);
+  CHECK((report.at("flip") > 0 && report.at("flip") < 0.1));
+  Image8 expected(20, 20, 3, 0);
+  expected.pixel(3, 4)[1] = 200;
+  expected.pixel(19, 19)[2] = 60;
+  CHECK(readImage(picture) == expected);
+
+  const auto same =
+      runProgram({"compare", folder / "a.png", folder / "a.png", "--tolerance", "0", "0", "0", "--json", "-"});
+  CHECK(same.code == 0);
+  CHECK(nlohmann::json::parse(same.out).at("psnr").is_null());
+}
+
+TEST_CASE("compare: pictures of different size or damaged ones are invalid input") {
+  test::TemporaryFolder folder;
+  writeImage(folder / "a.png", Image8(20, 10, 3));
+  writeImage(folder / "b.png", Image8(10, 20, 3));
+  const auto outcome = runProgram({"compare", folder / "a.png", folder / "b.png"});
+  CHECK(outcome.code == 3);
+  CHECK_THAT(outcome.err, Catch::Contains("20×10") && Catch::Contains("10×20"));
+  std::string half = readTextFile(folder / "a.png");
+  half.resize(half.size() / 2);
+  writeFile(folder / "half.png", half);
+  CHECK(runProgram({"compare", folder / "a.png", folder / "half.png"}).code == 3);
+}

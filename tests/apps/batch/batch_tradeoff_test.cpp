@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ibr tradeoff` as a user calls it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/file.h"
+#include "apps/support/run_program.h"
+#include "support/temporary_folder.h"
+#include "apps/support/tiny_scene.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using namespace ibr::test;
+using Catch::Contains;
+using Json = nlohmann::json;
+
+namespace {
+
+// Presets, two more values of blend, and two builds of which one is the same.
+std::vector<std::string> tradeoffOfTiny(const fs::path& output) {
+  return {"tradeoff", tinyScene(),
+          "--truth",  tinySet().truth,
+          "--knobs",  "blend",
+          "tiers",    "--no-grid",
+          "--build",  "again=" + tinyScene().string(),
+          "--repeat", "2",
+          "--walk",   "20",
+          "-o",       output};
+}
+
+const Json& settingOf(const Json& report, const std::string& name) {
+  for (const Json& row : report.at("settings"))
+    if (row.at("setting") == name) return row;
+  FAIL(name);
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "report";
+  const Outcome outcome = runProgram(tradeoffOfTiny(out));
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  CHECK_THAT(outcome.out, Contains("preset reference") && Contains("front of time and error") &&
+                              Contains("against the twin") && Contains("presets fall in error"));
+  const std::string text = readTextFile(out / "tradeoff.json");
+  const Json report = Json::parse(text);
+
+  // Against the truth: what eval says.
+  for (const char* preset : {"fast", "balanced"}) {
+    const Outcome eval =
+        runProgram({"eval", tinyScene(), "--truth", tinySet().truth, "--preset", preset, "-q", "--json", "-"});
+    REQUIRE(eval.code == 0);
+    const Json mean = Json::parse(eval.out).at("mean"), &row = settingOf(report, std::string("preset ") + preset);
+    for (const char* figure : {"psnr", "ssim", "flip"}) CHECK(row.at("truth").at(figure) == mean.at(figure));
+    CHECK(row.at("holes").get<double>() == Approx(1 - mean.at("coverage").get<double>()).margin(1e-12));
+  }
+  // Against the reference: it is itself.
+  const Json& reference = settingOf(report, "preset reference");
+  CHECK(reference.at("reference").at("psnr").is_null());
+  CHECK(reference.at("reference").at("flip") == 0);
+  CHECK(reference.at("truth").at("flip") > 0);
+  // Against the twin.
+  REQUIRE(report.at("implementation").size() == 1);
+  CHECK(report["implementation"][0].at("compared") > 0.3);
+  CHECK(report["implementation"][0].at("beyondBound") == 0);
+
+  const Json &usual = settingOf(report, "preset balanced"), &again = settingOf(report, "build again");
+  CHECK(usual.at("views")[0].at("prediction") == again.at("views")[0].at("prediction"));
+  CHECK(usual["views"][0]["prediction"] != settingOf(report, "blend dither").at("views")[0].at("prediction"));
+  CHECK(usual.at("bytes").at("predicted").at("textures") > 0);
+  CHECK(usual["bytes"]["measured"].at("textures") >= usual["bytes"]["predicted"]["textures"]);
+  CHECK(usual["bytes"]["measured"].at("positions") >= usual["bytes"]["predicted"].at("positions"));
+  for (const Json& row : report["settings"]) {
+    REQUIRE(row.at("ms").at("device").size() == 2);
+    for (const Json& round : row["ms"]["device"]) CHECK(round.at(0) > 0);
+  }
+  CHECK(settingOf(report, "tiers 0").at("views")[0].at("draws") <= usual["views"][0]["draws"]);
+  CHECK(report.at("walks").size() == 4);
+
+  const std::string html = readTextFile(out / "report.html");
+  CHECK_THAT(html, Contains("<svg") && Contains("src=\"data:image/jpeg;base64,") && Contains("What each knob costs") &&
+                       !Contains("<script") && !Contains("src=\"http") && !Contains("href="));
+  for (const char* figure : {"pareto.svg", "knobs.svg", "memory.svg", "passes.svg", "histogram.svg"})
+    CHECK_THAT(readTextFile(out / figure), Contains("</svg>"));
+  CHECK_THAT(readTextFile(out / "tradeoff.csv"), Contains("\"preset balanced\",\"blend\",\"blend\","));
+
+  const Outcome more = runProgram(tradeoffOfTiny(out));
+  CHECK_THAT(more.err, Contains("measured before"));
+  CHECK(readTextFile(out / "tradeoff.json") == text);  // raw times and all
+}
+
+TEST_CASE("ibr tradeoff says how far two eyes agree, and says it again of what was kept") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  const std::vector<std::string> line{"tradeoff",  tinyScene(), "--truth", tinySet().truth, "--knobs", "eyeColours",
+                                      "--no-grid", "--repeat",  "1",       "--walk",        "0",       "-q",
+                                      "-o",        out};
+  REQUIRE(runProgram(line).code == 0);
+  const std::string text = readTextFile(out / "tradeoff.json");
+  const Json report = Json::parse(text);
+  CHECK_FALSE(settingOf(report, "preset balanced").contains("eyes"));
+  for (const char* setting : {"eyeColours shared", "eyeColours own"}) {
+    const Json& eyes = settingOf(report, setting).at("eyes");
+    CHECK(eyes.at("seenByBoth") > 0.3);
+    CHECK(eyes.at("difference") > 0);  // they stand beside each other
+    CHECK(eyes.at("difference") < 10);
+    CHECK(eyes.at("difference95") >= eyes.at("difference"));
+    CHECK(eyes == settingOf(report, setting).at("views")[0].at("eyes"));
+  }
+  CHECK_THAT(readTextFile(out / "report.html"), Contains("What two eyes see") && Contains("<td>eyeColours own</td>"));
+  REQUIRE(runProgram(line).code == 0);
+  CHECK(readTextFile(out / "tradeoff.json") == text);
+}
+
+TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same command goes on") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const fs::path out = folder / "report", kept = out / "tradeoff.kept.jsonl";
+  std::vector<std::string> line = tradeoffOfTiny(out);
+  *std::ranges::find(line, "2") = "40";  // rounds: there is time to interrupt
+  const auto linesKept = [&] {
+    const std::string text = fs::exists(kept) ? readTextFile(kept) : "";
+    return std::ranges::count(text, '\n');
+  };
+  Outcome stopped;
+  // On a busy machine the signal may come after the end; then once more.
+  for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
+    fs::remove_all(out);
+    stopped = runProgram(line, {.interruptWhen = [&](const std::string&) { return linesKept() >= 12; }});
+  }
+  INFO(stopped.err);
+  REQUIRE(stopped.code == 130);
+  CHECK_THAT(stopped.err, Contains("run the same command again"));
+  CHECK_FALSE(fs::exists(out / "tradeoff.json"));
+  const std::string before = readTextFile(kept);
+  const auto found = std::ranges::count(before, '\n');
+  const auto linesWith = [&](const std::string& what) {
+    std::istringstream lines(before);
+    int count = 0;
+    for (std::string each; std::getline(lines, each);) count += each.find(what) != std::string::npos;
+    return count;
+  };
+  CHECK(linesWith("\"prediction\"") == 10);  // settings: pictures come first
+  CHECK(linesWith("\"times\"") >= 2);        // rounds
+  const Outcome resumed = runProgram(line);
+  INFO(resumed.err);
+  REQUIRE(resumed.code == 0);
+  CHECK_THAT(resumed.err, Contains(std::to_string(found) + " parts of"));
+  const std::string after = readTextFile(kept);
+  std::istringstream lines(before);
+  for (std::string each; std::getline(lines, each);) CHECK((after.find(each + '\n') != std::string::npos));
+  CHECK(settingOf(Json::parse(readTextFile(out / "tradeoff.json")), "preset fast").at("ms").at("device").size() == 40);
+}
+
+TEST_CASE("ibr tradeoff draws the settings of the optimiser that ibr sweep measured") {
+  if (!deviceIsThere()) return;
+  const TemporaryFolder folder;
+  const Outcome swept =
+      runProgram({"sweep", tinyScene(), "--truth", tinySet().truth, "-o", folder / "swept", "--method", "cpu",
+                  "--instances", "16", "--radius", "1", "5", "--decay", "0.5", "--threshold", "0.005", "-q"});
+  INFO(swept.err);
+  REQUIRE(swept.code == 0);
+  const Json sweep = Json::parse(readTextFile(folder / "swept" / "sweep.json"));
+  const Outcome outcome =
+      runProgram({"tradeoff", tinyScene(), "--truth", tinySet().truth, "--knobs", "blend", "--no-grid", "--repeat", "1",
+                  "--walk", "0", "--sweep", folder / "swept" / "sweep.json", "-o", folder / "out", "-q"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const std::string svg = readTextFile(folder / "out" / "optimiser.svg");
+  std::size_t drawn = 0;
+  for (const Json& row : sweep.at("settings")) {
+    const std::string method = row.at("method"), name = row.at("setting");
+    if (method == "none") {
+      CHECK_THAT(svg, Contains(">" + name + "<"));
+      continue;
+    }
+    ++drawn;
+    // As they are told where one points at a mark.
+    for (const Json& y : {row.at("scores").at("psnrCovered"), row.at("ecc")})
+      CHECK_THAT(svg, Contains(fmt::format("<title>{}: {:.4g}, {:.4g}</title>", name, row.at("seconds").get<double>(),
+                                           y.get<double>())));
+  }
+  CHECK(drawn == sweep.at("settings").size() - 1);
+  CHECK(drawn >= 2);
+  CHECK_THAT(readTextFile(folder / "out" / "report.html"), Contains("PSNR of held-out views, covered, dB"));
+}
+
+TEST_CASE("ibr tradeoff refuses what it cannot measure") {
+  CHECK(runProgram({"tradeoff", tinyScene(), "--knobs", "speed", "-o", "x"}).code == 1);
+  const Outcome inside = runProgram({"tradeoff", tinyScene(), "-o", tinyScene() / "report"});
+  CHECK(inside.code == 3);
+  CHECK_THAT(inside.err, Contains("lies in"));
+  CHECK_THAT(runProgram({"tradeoff", tinyScene(), "--build", "nameless", "-o", "x"}).err, Contains("NAME=SCENE"));
+  const TemporaryFolder folder;
+  writeFile(folder / "sweep.json", std::string_view("{\"settings\":[{}]}"));
+  const Outcome sweep = runProgram({"tradeoff", tinyScene(), "--sweep", folder / "sweep.json", "-o", folder / "x"});
+  CHECK(sweep.code == 3);
+  CHECK_THAT(sweep.err, Contains("no report of ibr sweep"));
+}

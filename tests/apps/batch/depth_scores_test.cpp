@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "batch/evaluate/depth_scores.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+#include "ibr/scene.h"
+
+using namespace ibr;
+using namespace ibr::app;
+
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+ImageF row(std::vector<float> values) {
+  ImageF image(int(values.size()), 1, 1);
+  image.values = std::move(values);
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("depth is right within a pixel of parallax, and the sky does not count") {
+  // 100 px · .5 units: one px is .02 of inverse depth.
+  const DepthScores scores = depthScores(row({0.5f, 0.519f, 0.53f, 0.47f, -1, 3}), row({2, 2, 2, 2, 2, 0}), {100, 0.5});
+  CHECK(scores.right == Approx(2.0 / 5));
+  CHECK(scores.tooNear == Approx(1.0 / 5));
+  CHECK(scores.tooFar == Approx(1.0 / 5));
+  CHECK(depthScores(row({0}), row({2}), {100, 0.5}).tooFar == 1);
+  CHECK(std::isnan(depthScores(row({1}), row({0}), {100, 0.5}).right));
+}
+
+TEST_CASE("completed, filled and empty pixels are guessed; matched ones and those that disagree are not") {
+  FrameBuffers buffers{ImageF(6, 1, 4), ImageF(6, 1, 4), ImageF(6, 1, 2)};
+  const auto set = [&](int x, float depth, float tier, float uncertainty) {
+    buffers.surface.pixel(x, 0)[0] = depth;
+    buffers.surface.pixel(x, 0)[1] = tier;
+    buffers.confidence.pixel(x, 0)[1] = uncertainty;
+  };
+  set(0, 4, kTierAgrees, 0.001f);
+  set(1, 4, kTierRejected, 0.2f);
+  set(2, 4, kTierBackdrop, 0.05f / 4);
+  set(3, 4, kTierBackdrop, 1.0f / 4);
+  set(4, kInfinity, kTierFilled, kInfinity);
+  set(5, kInfinity, -1, kInfinity);
+  CHECK(guessedShare(buffers) == Approx(3.0 / 6));
+  const ImageF drawn = drawnInverseDepth(buffers);
+  CHECK(drawn.values[0] == 0.25f);
+  CHECK(drawn.values[4] < 0);
+  CHECK(drawn.values[5] < 0);
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// Settings of `ibr tradeoff` and its gates, on figures made by hand.
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "batch/tradeoff/tradeoff_gates.h"
+#include "batch/tradeoff/tradeoff_histogram.h"
+#include "shared/cli/settings.h"
+
+using namespace ibr;
+using namespace ibr::app;
+
+namespace {
+
+TradeoffRow rowOf(const std::string& name, double milliseconds, double flip, std::uint64_t draws = 10) {
+  TradeoffRow row;
+  row.setting = {{}, {{"grid", name}}};
+  TradeoffView view;
+  view.truth.flip = flip;
+  view.truth.psnr = 30 - 100 * flip;
+  view.draws = draws;
+  view.triangles = 1000;
+  row.views = {view};
+  row.deviceMs = {{milliseconds}, {milliseconds}, {milliseconds}};
+  row.planMs = {{0}, {0}, {0}};
+  return row;
+}
+
+// As they should be: each dearer and nearer than the one before.
+std::vector<TradeoffRow> presets() {
+  return {rowOf("fast", 10, 0.10, 4), rowOf("balanced", 20, 0.08, 8), rowOf("accurate", 30, 0.07, 12),
+          rowOf("reference", 60, 0.0695, 40)};
+}
+
+const TradeoffGate& gateOf(const std::vector<TradeoffGate>& gates, const std::string& name) {
+  const auto found = std::ranges::find(gates, name, &TradeoffGate::name);
+  REQUIRE(found != gates.end());
+  return *found;
+}
+
+}  // namespace
+
+TEST_CASE("gates of presets hold where each buys something", "[P11]") {
+  for (const TradeoffGate& gate : presetGates(presets())) {
+    INFO(gate.name << ": " << gate.found);
+    CHECK(gate.holds);
+  }
+}
+
+TEST_CASE("a preset is beaten only by who is more than 3 % better in both axes", "[P11]") {
+  const auto holds = [](const TradeoffRow& other) {
+    std::vector<TradeoffRow> rows = presets();
+    rows.push_back(other);
+    const auto gates = presetGates(rows);
+    return std::pair(gateOf(gates, "balanced is not beaten in time and error").holds,
+                     gateOf(gates, "balanced is not beaten in counts and error").holds);
+  };
+  CHECK((holds(rowOf("both", 19, 0.077, 7)) == std::pair(false, false)));
+  CHECK((holds(rowOf("time alone", 10, 0.0777, 4)) == std::pair(true, true)));
+  CHECK((holds(rowOf("error alone", 19.5, 0.05, 8)) == std::pair(true, true)));
+  CHECK((holds(rowOf("fewer draws, slower", 25, 0.077, 7)) == std::pair(true, false)));
+  CHECK((holds(rowOf("faster, more draws", 19, 0.077, 9)) == std::pair(false, true)));
+  TradeoffRow larger = rowOf("more pixels", 25, 0.077, 7);
+  larger.setting.way.settings.renderScale = 1.5;
+  CHECK((holds(larger) == std::pair(true, true)));
+  TradeoffRow eyes = rowOf("two eyes", 19, 0.077, 7), built = eyes, failed = eyes;
+  eyes.setting.way.views = 2;
+  built.setting.way.build = 1;
+  failed.failure = "no memory";
+  for (const TradeoffRow& other : {eyes, built, failed}) CHECK((holds(other) == std::pair(true, true)));
+}
+
+TEST_CASE("presets rise in time and fall in error, accurate is nearly reference", "[P11]") {
+  std::vector<TradeoffRow> rows = presets();
+  std::swap(rows[0], rows[1]);
+  auto gates = presetGates(rows);
+  CHECK_FALSE(gateOf(gates, "presets rise in time").holds);
+  CHECK_FALSE(gateOf(gates, "presets fall in error").holds);
+  rows = presets();
+  rows[2] = rowOf("accurate", 30, 0.075, 12);  // 22.5 dB of 23.05 dB
+  gates = presetGates(rows);
+  CHECK_FALSE(gateOf(gates, "accurate has 99 % of the PSNR of reference").holds);
+  CHECK(gateOf(gates, "presets fall in error").holds);
+  CHECK_FALSE(gateOf(gates, "presets rise in time").counted);
+}
+
+TEST_CASE("fast shows no more than a quarter worse than balanced; presets that draw the same may take any time",
+          "[P11]") {
+  const auto fast = [](double flip) {
+    std::vector<TradeoffRow> rows = presets();
+    rows[0] = rowOf("fast", 10, flip, 4);
+    return gateOf(presetGates(rows), "fast has at most 1.25 times the error of balanced").holds;
+  };
+  CHECK(fast(0.0999));
+  CHECK_FALSE(fast(0.1001));
+  const auto rise = [](std::uint64_t draws) {
+    std::vector<TradeoffRow> rows = presets();
+    rows[2] = rowOf("accurate", 15, 0.07, draws);
+    return gateOf(presetGates(rows), "presets rise in time").holds;
+  };
+  CHECK(rise(8));  // as many as balanced
+  CHECK_FALSE(rise(9));
+}
+
+TEST_CASE("the front of time and error") {
+  std::vector<TradeoffRow> rows = presets();
+  rows.push_back(rowOf("between", 15, 0.09));
+  rows.push_back(rowOf("behind", 16, 0.095));
+  CHECK(timeFront(rows) == std::vector<std::size_t>{0, 4, 1, 2, 3});
+}
+
+TEST_CASE("settings: presets first, no way twice, knobs turned one at a time") {
+  const TradeoffSettings settings = tradeoffSettings({});
+  for (std::size_t p = 0; p < kPresets.size(); ++p) {
+    CHECK(settings.all[p].name() == std::string("preset ") + kPresets[p].first);
+    CHECK((settings.all[p].way.settings == preset(kPresets[p].second)));
+  }
+  CHECK(settings.knobs.size() == tradeoffKnobNames().size());
+  for (std::size_t i = 0; i < settings.all.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((settings.all[i].way == settings.all[j].way));
+  for (const TradeoffKnob& knob : settings.knobs) {
+    INFO(knob.name);
+    const nlohmann::ordered_json base = wayJson(settings.all[knob.base].way);
+    std::size_t values = 0;
+    for (const TradeoffSetting& setting : settings.all) {
+      if (!setting.valueOf(knob.name)) continue;
+      ++values;
+      std::size_t differences = 0;
+      const nlohmann::ordered_json way = wayJson(setting.way);
+      for (const auto& [name, value] : way.items()) differences += value != base[name];
+      CHECK(differences <= 1);
+    }
+    CHECK(values >= 2);
+  }
+  CHECK(*settings.all[kDefaultSetting].valueOf("cells") == "12");
+
+  const TradeoffSettings few = tradeoffSettings({.knobs = {"blend"}, .grid = false, .builds = {"coarse"}});
+  CHECK(few.all.size() == 4 + 2 + 1);
+  CHECK(few.all.back().name() == "build coarse");
+  CHECK(few.all.back().way.build == 1);
+}
+
+TEST_CASE("what is kept of pictures comes back") {
+  TradeoffRow row = rowOf("a", 10, 0.1), back = row;
+  row.views[0].name = "view";
+  row.views[0].prediction = "abc";
+  row.measured = {1, 2, 3};
+  row.workingBytes = 77;
+  readPicture(nlohmann::ordered_json::parse(pictureJson(row).dump()), back);
+  CHECK(pictureJson(back).dump() == pictureJson(row).dump());  // NaN is null there
+  CHECK(back.deviceMs.empty());
+  CHECK_THROWS_AS(readPicture({{"views", 1}}, back), nlohmann::json::exception);
+}
+
+TEST_CASE("colour tables from more pixels are righter; from the same pixels more so") {
+  Image8 photograph(256, 128, 3);
+  for (std::size_t i = 0; i < photograph.values.size(); ++i)
+    photograph.values[i] = std::uint8_t(40 + (i / 3 * 7919) % 160);
+  const std::vector<MapError> errors = mapErrors(photograph, 1);
+  REQUIRE(errors.size() == 8);
+  CHECK(errors.front().samples == 10);
+  CHECK(errors.back().samples == 30000);
+  CHECK(errors.front().apart > 10 * errors.back().apart);
+  CHECK(errors.back().same < 0.1);
+  for (const MapError& error : errors) CHECK(error.same < error.apart);
+}

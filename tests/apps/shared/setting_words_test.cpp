@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/cli/setting_words.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "shared/cli/htm_view_settings.h"
+#include "shared/cli/settings.h"
+
+using namespace ibr;
+using namespace ibr::app;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+// CLI11 takes them from the last to the first.
+void parse(CLI::App& app, std::vector<std::string> words) {
+  std::ranges::reverse(words);
+  app.parse(words);
+}
+
+}  // namespace
+
+TEST_CASE("settings are words: names of options, values to the last bit, and nothing for what is not there") {
+  const Json settings{{"cells", 3},       {"renderScale", 1.0 / 3}, {"stereo", true},        {"graph", false},
+                      {"floor", nullptr}, {"blend", "mixed"},       {"mute", Json::array()}, {"solo", {7, 5}}};
+  CHECK(settingWords(settings) == std::vector<std::string>{"--cells", "3", "--render-scale", "0.3333333333333333",
+                                                           "--stereo", "--blend", "mixed", "--solo", "7,5"});
+}
+
+TEST_CASE("a scene's settings come back from their words") {
+  GpuSceneOptions gpuScene;
+  gpuScene.budgetBytes = 123456789;
+  gpuScene.blocks = BlockTextures::decode;
+  gpuScene.filter = TextureFilter::bicubic;
+  RenderSettings settings = preset(Preset::reference);
+  settings.lowestTier = 1;
+  settings.morph = Morph::paper;
+  settings.alignCells = true;
+  settings.order = DrawOrder::paper;
+  settings.blend = BlendMode::mixed;
+  settings.maxCells = 3;
+  settings.maxBackdrops = 0;
+  settings.extrapolationLimit = 1.0 / 7;
+  settings.switchSeconds = 0.1;
+  settings.textureScale = 1e-2;
+  settings.renderScale = 2.0 / 3;
+  settings.exposure = Exposure::scene;
+  settings.colourMapping = ColourMapping::paperRedraw;
+  settings.colourTable = ColourTable::strict;
+  settings.colourSamples = 1e-5;
+  settings.colourProxy = 3;
+  settings.colourPeriod = 5;
+  settings.shareEyeColours = false;
+
+  RenderSettings again;
+  GpuSceneOptions gpuSceneAgain;
+  CLI::App app;
+  declareSettings(app, again);
+  declareGpuScene(app, gpuSceneAgain);
+  parse(app, settingWords(settingsJson(settings, gpuScene)));
+  CHECK(settingsJson(again, gpuSceneAgain) == settingsJson(settings, gpuScene));
+  CHECK(again.switchSeconds == settings.switchSeconds);
+  CHECK(again.colourPeriod == settings.colourPeriod);
+  CHECK(again.colourMapping == settings.colourMapping);
+  CHECK(gpuSceneAgain.budgetBytes == gpuScene.budgetBytes);
+  // Each of them is said, so that none is left to what happens to be the default.
+  const Json plain = settingsJson({}, {}), other = settingsJson(settings, gpuScene);
+  for (const auto& [key, value] : other.items()) {
+    INFO(key);
+    CHECK(value != plain.at(key));
+  }
+}
+
+TEST_CASE("overlays and chosen cells come back from their words") {
+  for (const OverlayWord& line : kOverlays) {
+    RenderSettings settings;
+    settings.overlay = line.overlay;
+    if (line.overlay == Overlay::depth) settings.mutedCells = {7, 0, 4294};
+    if (line.overlay == Overlay::tiers) settings.soloCells = {3};
+    RenderSettings again;
+    CLI::App app;
+    declareSettings(app, again);
+    GpuSceneOptions gpuScene;
+    declareGpuScene(app, gpuScene);
+    declareOverlays(app, again);
+    Json words = pictureSettingsJson(settings, {}, std::nullopt);
+    parse(app, settingWords(words));
+    CHECK(pictureSettingsJson(again, gpuScene, std::nullopt) == words);
+    CHECK(again.overlay == settings.overlay);
+    CHECK(again.mutedCells == settings.mutedCells);
+    CHECK(again.soloCells == settings.soloCells);
+  }
+}
+
+TEST_CASE("a harmonised model's settings come back from their words") {
+  HtmSettings settings;
+  settings.method = HtmMethod::vertexColours;
+  settings.gamma = 100.0 / 3;
+  settings.weightCut = 1.0 / 77;
+  settings.smoothSeconds = 0.3;
+  HtmSettings again;
+  bool onSource = false;
+  CLI::App app;
+  declareHtmPictureSettings(app, again, onSource);
+  parse(app, settingWords(htmSettingsJson(settings, true)));
+  CHECK(htmSettingsJson(again, onSource) == htmSettingsJson(settings, true));
+  CHECK(onSource);
+  CHECK(again.weightCut == settings.weightCut);
+}

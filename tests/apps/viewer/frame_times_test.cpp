@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/control/frame_times.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace ibr;
+using namespace ibr::app;
+
+TEST_CASE("the last frames' times are kept, and the device's come to the frame that they are of") {
+  FrameHistory history;
+  CHECK(history.of(0).passes.empty());
+  CHECK(std::isnan(history.of(7).sinceLast));
+  for (std::size_t frame = 1; frame <= 200; ++frame) {
+    history.add(frame, float(frame));
+    // Two frames later; what is inside another is no pass of its own.
+    if (frame > 2)
+      history.addDevice(frame - 2, {{"canvas", 0, double(frame - 2)}, {"cells", 1, 0.5}, {"composite", 0, 0.25}});
+  }
+  for (std::size_t frame = 200; frame > 200 - FrameHistory::kLength; --frame) {
+    CHECK(history.of(frame).frame == frame);
+    CHECK(history.of(frame).sinceLast == float(frame));
+  }
+  CHECK(history.of(80).frame != 80);  // too long ago
+  REQUIRE(history.of(150).passes.size() == 2);
+  CHECK(history.names()[history.of(150).passes[0].first] == "canvas");
+  CHECK(history.of(150).passes[0].second == 150.0f);
+  CHECK(history.names()[history.of(150).passes[1].first] == "composite");
+  CHECK(history.of(200).passes.empty());  // not there yet
+
+  history.addDevice(80, {{"late", 0, 1.0}});  // its place is another frame's now
+  CHECK(history.of(200).passes.empty());
+  CHECK(history.names().size() == 2);
+}

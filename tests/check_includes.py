@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks every #include of the library and its programs against the table of rooms in libibr/ARCHITECTURE.md.
+
+check_includes.py [ROOT]: a room is a folder of sources. Its row `| room | holds | may include | papers |` names, in
+backquotes, the rooms and the guarded libraries that its files may include and its CMake target may link. Exit code 1
+where an include or a link is not allowed, a room has no row or a row no room, rows form a cycle, a folder has too many
+sources, or CGAL is in two rooms.
+"""
+import pathlib
+import re
+import sys
+
+PAGE = "libibr/ARCHITECTURE.md"
+INCLUDE_FOLDERS = ("libibr/src", "libibr/include", "apps", "shaders")  # in the order of the compiler's search
+GUARDED = ("CGAL", "opencv2", "ceres", "vulkan", "GLFW", "openxr", "nlohmann", "CLI", "openssl", "imgui")
+ONLY_ONE_ROOM = "<CGAL>"  # whoever links it is under the GPL
+MOST_SOURCES = 45  # of a folder
+SUFFIXES = (".h", ".cpp", ".c")
+INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
+LAYER = re.compile(r"ibr_layer\(([^)]*)\)")
+HEADER = "| room | holds | may include | papers |"
+
+
+def room_of(path):
+    """`libibr/src/author/match/match.h` is of the room author/match, `apps/window/window.h` of apps/window."""
+    if path.startswith("shaders/"):
+        return "shaders"
+    folder = path.rpartition("/")[0]
+    for prefix in ("libibr/src/", "libibr/include/"):
+        folder = folder.removeprefix(prefix)
+    return folder
+
+
+def rows_of(text):
+    """(line, room, set of what it may include) of each row."""
+    rows, inside = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line == HEADER:
+            inside = True
+        elif not line.startswith("|"):
+            inside = False
+        elif inside and not line.startswith("|---"):
+            cells = [cell.strip() for cell in line.strip("|").split("|")]
+            rows.append((number, cells[0].strip("`"), set(re.findall(r"`([^`]+)`", cells[2])) if len(cells) == 4 else None))
+    return rows
+
+
+def guarded(include):
+    """The guarded library of a system header, or None."""
+    name = include.removeprefix("backends/")
+    for library in GUARDED:
+        if name.startswith(library + "/") or library == "imgui" and name.startswith("imgui"):
+            return f"<{library}>"
+    return None
+
+
+def targets_of(rooms):
+    """By the name of a CMake target, its rooms: `ibr_gpu` is all rooms below gpu, `ibr_passes` is render/passes."""
+    targets = {}
+    for room in rooms:
+        targets[f"ibr_{room.replace('/', '_')}"] = {room}
+        if room.startswith("render/"):
+            targets[f"ibr_{room.removeprefix('render/')}"] = {room}
+    for group in ("gpu", "author"):
+        targets[f"ibr_{group}"] = {room for room in rooms if room.startswith(group + "/")}
+    return targets
+
+
+def cycle_of(allowed):
+    """A list of rooms whose rows form a cycle, or None."""
+    done = set()
+
+    def visit(room, way):
+        if room in way:
+            return way[way.index(room):] + [room]
+        if room in done:
+            return None
+        for other in sorted(allowed.get(room, ())):
+            found = other in allowed and visit(other, way + [room])
+            if found:
+                return found
+        done.add(room)
+        return None
+
+    for room in sorted(allowed):
+        found = visit(room, [])
+        if found:
+            return found
+    return None
+
+
+def check(root):
+    faults, allowed = [], {}
+    for line, room, may in rows_of((root / PAGE).read_text(encoding="utf-8")):
+        where = f"{PAGE}:{line}: "
+        if may is None:
+            faults.append(where + f"the row of {room} has not four columns")
+        elif room in allowed:
+            faults.append(where + f"{room} has two rows")
+        allowed[room] = may or set()
+    if not allowed:
+        faults.append(f"{PAGE}: there is no table of rooms")
+
+    sources = {}
+    for folder in INCLUDE_FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            if path.is_file() and (path.suffix in SUFFIXES or folder == "shaders"):
+                sources[path.relative_to(root).as_posix()] = path
+    folders = {}
+    for name in sources:
+        if not name.startswith("shaders/"):
+            folders.setdefault(name.rpartition("/")[0], []).append(name)
+    for folder, names in folders.items():
+        if room_of(names[0]) not in allowed:
+            faults.append(f"{folder}: the room {room_of(names[0])} has no row in {PAGE}")
+        if len(names) > MOST_SOURCES:
+            faults.append(f"{folder}: {len(names)} sources, at most {MOST_SOURCES} are allowed; split the room")
+    rooms = {room_of(name) for name in sources}
+    for room, may in allowed.items():
+        if room not in rooms:
+            faults.append(f"{PAGE}: the row of {room} has no folder of sources")
+        for other in sorted(may):
+            if other not in allowed and other.strip("<>") not in GUARDED:
+                faults.append(f"{PAGE}: the row of {room} names {other}, which is neither a room nor a guarded library")
+    holders = sorted(room for room, may in allowed.items() if ONLY_ONE_ROOM in may)
+    if len(holders) > 1:
+        faults.append(f"{PAGE}: {ONLY_ONE_ROOM} is allowed in {', '.join(holders)}; only one room may have it")
+    cycle = cycle_of(allowed)
+    if cycle:
+        faults.append(f"{PAGE}: the rows form a cycle: {' -> '.join(cycle)}")
+
+    for name, path in sources.items():
+        room = room_of(name)
+        if room == "shaders" or room not in allowed:
+            continue
+        for line, text in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            found = INCLUDE.match(text)
+            if not found:
+                continue
+            include = found[1] or found[2]
+            if found[2]:
+                other = guarded(include)
+                if other is None or other in allowed[room]:
+                    continue
+            else:
+                target = next((f"{f}/{include}" for f in INCLUDE_FOLDERS if f"{f}/{include}" in sources), None)
+                if target is None and include.startswith("shaders/"):  # generated from a shader
+                    target = include
+                if target is None:
+                    faults.append(f'{name}:{line}: "{include}" is in none of {", ".join(INCLUDE_FOLDERS)}')
+                    continue
+                other = room_of(target)
+                if other == room or other in allowed[room]:
+                    continue
+            faults.append(f"{name}:{line}: {room} may not include {other} ({include}): its row in {PAGE} does not name it")
+    targets = targets_of(allowed)
+    for path in sorted((root / "libibr/src").rglob("CMakeLists.txt")):
+        name = path.relative_to(root).as_posix()
+        room = room_of(name)
+        for words in LAYER.findall(path.read_text(encoding="utf-8")):
+            for linked in words.split()[1:]:
+                for other in sorted(targets.get(linked, set()) - allowed.get(room, set()) - {room}):
+                    faults.append(f"{name}: {room} may not link {linked}: its row in {PAGE} does not name {other}")
+    return faults
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    faults = check(root)
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Backdrops: depths gathered, completed, meshed.
+#include "author/backdrop/backdrop.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <glm/common.hpp>
+#include <random>
+
+#include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
+#include "support/posed_rig.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// Noise: colours tell nothing.
+Image8 speckled(int width, int height) {
+  Image8 colours(width, height, 3);
+  std::mt19937 random(5);
+  for (std::uint8_t& c : colours.values) c = std::uint8_t(random() & 255);
+  return colours;
+}
+
+// Two surfaces with values of their own, of which every pixel is known with a probability.
+ImageF patchy(int width, int height, double share) {
+  ImageF depth(width, height, 1, kUnknownDepth);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (uniform(random) < share)
+        depth.pixel(x, y)[0] = float((x < width / 3 ? 0.5 : 0.02) * (1 + 0.1 * uniform(random)));
+  return depth;
+}
+
+void checkClosed(const Camera& camera, const CellMesh& backdrop) {
+  const MorphMesh& mesh = backdrop.mesh;
+  Scene scene;
+  scene.nodes.push_back({"a", camera, {}, {}});
+  scene.backdrops.push_back({{0}, mesh, backdrop.quality});
+  for (const Fault& fault : validate(scene)) FAIL_CHECK(fault.field << " " << fault.message);
+  // All triangles turn the same way and none is beyond the picture, so that only without gap or overlap their areas
+  // add up to its area.
+  double area = 0;
+  std::size_t turned = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec2 a(mesh.match[0][t.x]), b(mesh.match[0][t.y]), c(mesh.match[0][t.z]);
+    const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    turned += !(twice > 0);
+    area += 0.5 * twice;
+  }
+  CHECK(turned == 0);
+  const double width = camera.intrinsics.width, height = camera.intrinsics.height;
+  CHECK(area == Approx(width * height).epsilon(1e-6));
+  glm::vec2 low(1e9f), high(-1e9f);
+  for (const glm::vec2 at : mesh.match[0]) low = glm::min(low, at), high = glm::max(high, at);
+  CHECK(low == glm::vec2(0));
+  CHECK(high == glm::vec2(width, height));
+}
+
+}  // namespace
+
+TEST_CASE("completed depth keeps what is known and stays between the nearest and the farthest of it") {
+  for (const double share : {0.002, 0.05, 0.5, 0.95}) {
+    const ImageF depth = patchy(90, 70, share);
+    const Image8 colours = speckled(90, 70);
+    const ImageF completed = completeDepth(depth, colours);
+    const float nearest = *std::max_element(depth.values.begin(), depth.values.end());
+    float farthest = nearest;
+    for (const float w : depth.values)
+      if (w >= 0) farthest = std::min(farthest, w);
+    for (std::size_t at = 0; at < depth.values.size(); ++at) {
+      if (depth.values[at] >= 0) CHECK(completed.values[at] == depth.values[at]);
+      REQUIRE(completed.values[at] >= farthest);
+      REQUIRE(completed.values[at] <= nearest);
+    }
+    CHECK(completeDepth(depth, colours) == completed);
+  }
+}
+
+TEST_CASE("a hole stays within its rim, whatever is known elsewhere") {
+  ImageF depth(60, 60, 1, 5.0f);
+  for (int y = 20; y < 40; ++y)
+    for (int x = 20; x < 40; ++x) {
+      const bool rim = x == 20 || x == 39 || y == 20 || y == 39;
+      depth.pixel(x, y)[0] = rim ? (x < 30 ? 0.1f : 0.2f) : kUnknownDepth;
+    }
+  const ImageF completed = completeDepth(depth, speckled(60, 60));
+  for (int y = 21; y < 39; ++y)
+    for (int x = 21; x < 39; ++x) {
+      CHECK(completed.pixel(x, y)[0] >= 0.1f);
+      CHECK(completed.pixel(x, y)[0] <= 0.2f);
+    }
+}
+
+TEST_CASE("completed depth follows the photograph's edges, and leans to the far side where there is none") {
+  ImageF depth(80, 40, 1, kUnknownDepth);
+  Image8 edge(80, 40, 3, 60), flat(80, 40, 3, 60);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 80; ++x) {
+      if (x < 5) depth.pixel(x, y)[0] = 0.5f;
+      if (x >= 75) depth.pixel(x, y)[0] = 0.1f;
+      if (x >= 60) std::ranges::fill(edge.pixel(x, y), std::uint8_t(200));
+    }
+  const ImageF followed = completeDepth(depth, edge), smooth = completeDepth(depth, flat);
+  CHECK(followed.pixel(50, 20)[0] > 0.45f);
+  CHECK(followed.pixel(65, 20)[0] < 0.11f);
+  CHECK(smooth.pixel(40, 20)[0] < 0.25f);  // less than in the middle
+  CHECK(smooth.pixel(40, 20)[0] > 0.1f);
+}
+
+TEST_CASE("nothing known, one pixel known, all known") {
+  const Image8 colours = speckled(40, 30);
+  ImageF depth(40, 30, 1, kUnknownDepth);
+  for (const float w : completeDepth(depth, colours).values) CHECK(w == 0);
+  depth.pixel(39, 0)[0] = 0.25f;
+  for (const float w : completeDepth(depth, colours).values) CHECK(w == 0.25f);
+  depth.pixel(39, 0)[0] = 0;
+  for (const float w : completeDepth(depth, colours).values) CHECK(w == 0);
+  const ImageF all = patchy(40, 30, 1.1);
+  CHECK(completeDepth(all, colours) == all);
+  CHECK(completeDepth(ImageF(1, 1, 1, kUnknownDepth), Image8(1, 1, 3)).values == std::vector<float>{0});
+}
+
+TEST_CASE("a backdrop fills the picture exactly, whatever is known") {
+  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 301, 203);
+  const glm::ivec2 size = backdropSize(camera.intrinsics);
+  CHECK(size == glm::ivec2(301, 203));
+  CHECK(backdropSize(resized(camera.intrinsics, 3000, 1000)) == glm::ivec2(kBackdropSide, 171));
+  CHECK(backdropSize(resized(camera.intrinsics, 5000, 1)) == glm::ivec2(kBackdropSide, 1));
+  const Image8 colours = speckled(size.x, size.y);
+  ImageF one(size.x, size.y, 1, kUnknownDepth);
+  one.pixel(100, 100)[0] = 0.3f;
+  for (const ImageF& depth :
+       {ImageF(size.x, size.y, 1, kUnknownDepth), one, patchy(size.x, size.y, 0.3), patchy(size.x, size.y, 1.1)})
+    for (const double step : {0.0, 1.0, 1e3}) checkClosed(camera, buildBackdrop(camera, depth, colours, {step, 8}));
+  std::size_t last = 0;
+  for (const int spacing : {32, 16, 8, 4, 2}) {
+    const CellMesh backdrop = buildBackdrop(camera, patchy(size.x, size.y, 1.1), colours, {1.0, spacing});
+    checkClosed(camera, backdrop);
+    CHECK(backdrop.mesh.pointCount() > last);
+    last = backdrop.mesh.pointCount();
+  }
+  for (const glm::ivec2 tiny : {glm::ivec2(1, 1), {3, 2}, {1, 40}}) {
+    const Camera small{resized(camera.intrinsics, tiny.x, tiny.y), camera.pose};
+    checkClosed(small, buildBackdrop(small, ImageF(tiny.x, tiny.y, 1, 0.5f), Image8(tiny.x, tiny.y, 3), {1.0, 8}));
+  }
+}
+
+TEST_CASE("a backdrop's vertices stand where the depth says, and its coverage counts what was known") {
+  const Camera camera = lookingAlong({1, 2, 3}, {0.2, 1, 0.1}, 1024, 768);
+  const glm::ivec2 size = backdropSize(camera.intrinsics);
+  ImageF depth(size.x, size.y, 1, 0.25f);
+  for (int y = 0; y < size.y / 2; ++y)
+    for (int x = 0; x < size.x; ++x) depth.pixel(x, y)[0] = kUnknownDepth;
+  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(size.x, size.y), {1.0, 8});
+  CHECK(backdrop.quality.coverage == Approx(0.5));
+  Scene scene;
+  scene.nodes.push_back({"a", camera, {}, {}});
+  for (std::size_t p = 0; p < backdrop.mesh.pointCount(); ++p) {
+    const auto point = vertexPosition(scene, {{0}, backdrop.mesh, {}}, p);
+    REQUIRE(point);
+    CHECK(glm::dot(*point - camera.pose.position, viewAxis(camera.pose)) == Approx(4.0).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("what other photographs may show behind an edge of known depth is drawn before what is stretched over it") {
+  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 256, 192);
+  ImageF depth(256, 192, 1, 0.1f);
+  for (int y = 0; y < 192; ++y)
+    for (int x = 0; x < 100; ++x) depth.pixel(x, y)[0] = 1.0f;
+  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(256, 192), {1.0, 8});
+  checkClosed(camera, backdrop);
+  const MorphMesh& mesh = backdrop.mesh;
+  const std::size_t first = mesh.tier0Count();
+  CHECK(first > mesh.triangles.size() / 2);
+  REQUIRE(first < mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3 v = mesh.triangles[t];
+    const auto [low, high] = std::minmax({mesh.match[0][v.x].x, mesh.match[0][v.y].x, mesh.match[0][v.z].x});
+    CHECK((low < 100 && high > 100) == (t >= first));
+  }
+  // Where depth is only a guess, nothing speaks for other photographs.
+  for (int y = 0; y < 192; ++y)
+    for (int x = 60; x < 256; ++x) depth.pixel(x, y)[0] = kUnknownDepth;
+  for (int y = 0; y < 192; ++y)
+    for (int x = 250; x < 256; ++x) depth.pixel(x, y)[0] = 0.1f;
+  const CellMesh guessed = buildBackdrop(camera, depth, speckled(256, 192), {1.0, 8});
+  CHECK(guessed.mesh.tier0Count() == guessed.mesh.triangles.size());
+}
+
+TEST_CASE("no order of maps changes their median, the farther of two") {
+  std::vector<ImageF> maps{patchy(20, 15, 0.5), ImageF(20, 15, 1, 0.3f), patchy(20, 15, 0.9)};
+  const ImageF median = medianDepth(maps);
+  std::swap(maps[0], maps[2]);
+  CHECK(medianDepth(maps) == median);
+  std::swap(maps[0], maps[1]);
+  CHECK(medianDepth(maps) == median);
+  const std::vector<ImageF> two{{2, 1, 1, 0.5f}, {2, 1, 1, 0.25f}};
+  CHECK(medianDepth(two).values == std::vector<float>{0.25f, 0.25f});
+  std::vector<ImageF> some{{2, 1, 1, kUnknownDepth}, {2, 1, 1, 0.25f}};
+  some[1].values[1] = kUnknownDepth;
+  CHECK(medianDepth(some).values == std::vector<float>{0.25f, kUnknownDepth});
+}
+
+TEST_CASE("points give a depth where they are seen, and none behind the camera") {
+  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 40, 30);
+  const std::vector<glm::dvec3> points{{0.01, 4, 0.01}, {0.02, 8, 0.02}, {0, -3, 0}, {100, 1, 0}, {0, 0, 0}};
+  const ImageF depth = depthOfPoints(camera, points);
+  CHECK(std::ranges::count(depth.values, kUnknownDepth) == 40 * 30 - 1);
+  CHECK(depth.pixel(20, 14)[0] == Approx(0.125));
+}

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/build/build_prediction.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string_view>
+
+#include "author/build/build_cost.h"
+#include "ibr/author.h"
+#include "support/court_photographs.h"
+#include "support/error_of.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Matchers::Contains;
+
+namespace {
+
+BuildWork someWork(std::size_t count) {
+  BuildWork work;
+  work.photographs = count;
+  work.readPixels = work.storedPixels = 1e6 * double(count);
+  work.cells.assign(count, {1e6, 100, 3});
+  work.backdrops = count;
+  work.backdropPixels = 2e5 * double(count);
+  return work;
+}
+
+double secondsOf(const std::vector<StageCost>& stages, bool processor = false) {
+  double sum = 0;
+  for (const StageCost& stage : stages) sum += processor ? stage.processorSeconds : stage.seconds;
+  return sum;
+}
+
+test::CourtPhotographs court(int count) {
+  return test::CourtPhotographs(makeCourt(count, 96, 72, 1));
+}
+
+}  // namespace
+
+TEST_CASE("costs grow with the work, and shrink with threads down to the longest job") {
+  const StageThreads one, four{4, 4, 4, 4};
+  const double once = secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {}));
+  CHECK(secondsOf(costOf(someWork(16), one, TextureFormat::rgba8, {})) == Approx(2 * once));
+  CHECK(secondsOf(costOf(someWork(8), four, TextureFormat::rgba8, {})) == Approx(once / 4));
+  CHECK(secondsOf(costOf(someWork(1), four, TextureFormat::rgba8, {})) == Approx(once / 8));
+  CHECK(secondsOf(costOf(someWork(8), four, TextureFormat::rgba8, {}), true) == Approx(once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {2, 3})) == Approx(3 * once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::rgba8, {2, 3}), true) == Approx(2 * once));
+  CHECK(secondsOf(costOf(someWork(8), one, TextureFormat::bc7, {})) > once);
+  BuildWork deep = someWork(8), full = someWork(8);
+  for (CellWork& cell : deep.cells) cell.levels = 200;
+  for (CellWork& cell : full.cells) cell.members = 4;
+  CHECK(secondsOf(costOf(deep, one, TextureFormat::rgba8, {})) > 1.2 * once);
+  CHECK(secondsOf(costOf(full, one, TextureFormat::rgba8, {})) > once);
+  CHECK(costOf({}, four, TextureFormat::rgba8, {}).empty());
+}
+
+TEST_CASE("refining poses is part of what a build takes where it is asked for, on one thread") {
+  const BuildWork work = someWork(8);
+  BuildWork refined = work;
+  refined.refinedBy = 10000;
+  const auto timeOf = [](const std::vector<StageCost>& stages, std::string_view name) {
+    const auto found = std::ranges::find_if(stages, [&](const auto& s) { return s.stage == name; });
+    return found == stages.end() ? 0 : found->seconds;
+  };
+  CHECK(timeOf(costOf(work, {}, TextureFormat::rgba8, {}), "refining poses") == 0);
+  const double once = timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses");
+  CHECK(once > 0.1);
+  CHECK(timeOf(costOf(refined, {4, 4, 4, 4}, TextureFormat::rgba8, {}), "refining poses") == once);
+  refined.refinedBy *= 2;
+  CHECK(timeOf(costOf(refined, {}, TextureFormat::rgba8, {}), "refining poses") == Approx(2 * once));
+
+  const test::CourtPhotographs set = court(4);
+  for (const bool refines : {false, true}) {
+    BuildOptions options = set.options;
+    options.refinePoses = refines;
+    bool told = true;
+    options.predicted = [&](const BuildPrediction& p) {
+      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "refining poses"; });
+      return false;
+    };
+    build(options);
+    CHECK_FALSE(told);  // the court's poses are exact
+  }
+}
+
+TEST_CASE("comparing exposures is part of what a build takes, unless it is not asked for") {
+  BuildWork work = someWork(8);
+  const auto compared = [](const std::vector<StageCost>& stages) {
+    return std::ranges::find_if(stages, [](const auto& s) { return std::string_view(s.stage) == "comparing exposures"; });
+  };
+  const std::vector<StageCost> without = costOf(work, {}, TextureFormat::rgba8, {});
+  CHECK(compared(without) == without.end());
+  work.exposures = true;
+  const std::vector<StageCost> with = costOf(work, {}, TextureFormat::rgba8, {});
+  REQUIRE(compared(with) != with.end());
+  CHECK(secondsOf(with) == Approx(secondsOf(without) + compared(with)->seconds));
+  const std::vector<StageCost> side = costOf(work, {64, 64, 64, 64}, TextureFormat::rgba8, {});
+  CHECK(compared(side)->seconds > 0.15 * compared(with)->seconds);  // one thread solves
+  CHECK(compared(side)->seconds < compared(with)->seconds);
+
+  CHECK(bytesToCompareExposures(work) > 0);
+  CHECK(bytesToCompareExposures(someWork(8)) == 0);
+  work.cells.resize(4);
+  const auto bytesOf = [](std::size_t photographs) {
+    BuildWork many = someWork(photographs);
+    many.exposures = true;
+    return bytesToCompareExposures(many);
+  };
+  CHECK(bytesToCompareExposures(work) > 4 * 3e5);
+  CHECK(bytesOf(40) > 1.9 * bytesOf(20));
+  CHECK(bytesOf(1000) == Approx(bytesOf(300)).epsilon(0.01));  // fewer points of each
+
+  const test::CourtPhotographs set = court(4);
+  BuildOptions options = set.options;
+  for (const bool match : {true, false}) {
+    bool told = false;
+    options.matchExposures = match;
+    options.predicted = [&](const BuildPrediction& p) {
+      told = std::ranges::any_of(p.stages, [](const auto& stage) { return stage.name == "comparing exposures"; });
+      return false;
+    };
+    build(options);
+    CHECK(told == match);
+  }
+}
+
+TEST_CASE("what a build will take is told before it begins, and a dry run makes nothing") {
+  const test::CourtPhotographs set = court(8);
+  BuildOptions options = set.options;
+  int told = 0;
+  BuildPrediction prediction;
+  options.predicted = [&](const BuildPrediction& p) {
+    ++told;
+    prediction = p;
+    CHECK(!fs::exists(options.output));
+    return false;
+  };
+  CHECK(build(options).cells.empty());
+  CHECK(!fs::exists(options.output));
+  REQUIRE(told == 1);
+  CHECK(prediction.photographs == 8);
+  CHECK(prediction.backdrops == 8);
+  CHECK(prediction.posesKnown);
+  CHECK(prediction.cellsKnown);
+  CHECK(prediction.megapixels == Approx(8 * 96 * 72 / 1e6));
+  CHECK(prediction.seconds > 0);
+  double sum = 0;
+  for (const auto& stage : prediction.stages) sum += stage.seconds;
+  CHECK(sum == Approx(prediction.seconds));
+
+  options.predicted = [](const BuildPrediction&) { return true; };
+  const BuildReport report = build(options);
+  CHECK(report.cells.size() + report.dropped.size() >= prediction.cells);
+  CHECK(report.prediction.cells == prediction.cells);
+  double bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(options.output))
+    if (entry.is_regular_file()) bytes += double(entry.file_size());
+  CHECK(bytes < prediction.disk);
+  CHECK(bytes > 0.3 * prediction.disk);
+  CHECK(report.processorSeconds > 0);
+  CHECK(report.memory > 1e6);
+}
+
+TEST_CASE("to look for what moved costs more the more photographs judge, and is not counted where nobody looks") {
+  BuildWork work = someWork(8);
+  const StageThreads one;
+  const double without = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  work.judgedPixels = 8e6;
+  const double alone = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  CHECK(alone > without);
+  work.judgePixels = 24e6;
+  const double judged = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
+  CHECK(judged > alone);
+  CHECK(secondsOf(costOf(work, {1, 1, 1, 1, 4}, TextureFormat::rgba8, {})) ==
+        Approx(without + (judged - without) / 4));
+
+  const test::CourtPhotographs set = court(6);
+  BuildOptions options = set.options;
+  const auto stages = [&](bool remove) {
+    std::vector<std::string> names;
+    options.removeMovers = remove;
+    options.predicted = [&](const BuildPrediction& p) {
+      for (const auto& stage : p.stages) names.push_back(stage.name);
+      return false;
+    };
+    build(options);
+    return names;
+  };
+  const std::vector<std::string> kept = stages(false), removed = stages(true);
+  CHECK(std::ranges::find(kept, "finding what moved") == kept.end());
+  CHECK(std::ranges::find(removed, "finding what moved") != removed.end());
+}
+
+TEST_CASE("a cell takes more memory the larger, deeper and fuller it is") {
+  const CellWork cell{1e6, 100, 2, 2e6, 3e6, 0};
+  const double bytes = bytesToMake(cell);
+  const auto with = [&](auto change) {
+    CellWork other = cell;
+    change(other);
+    return bytesToMake(other);
+  };
+  CHECK(bytes > 1e8);
+  CHECK(bytes < 3e8);
+  CHECK(with([](CellWork& c) { c.pixels *= 2; }) > 1.9 * bytes);
+  CHECK(with([](CellWork& c) { c.levels = 250; }) > 1.5 * bytes);
+  CHECK(with([](CellWork& c) { c.members = 4; }) > bytes);
+  CHECK(with([](CellWork& c) { c.loadingBytes += 1e8; }) == Approx(bytes + 1e8));
+  CHECK(with([](CellWork& c) { c.beyondPixels = 10e6; }) > bytes + 3e7);
+  CHECK(with([](CellWork& c) { c.swept = false; }) > bytes);
+}
+
+TEST_CASE("less memory means fewer threads, never more memory") {
+  // So large that a job takes much more than what the test itself gets to hold between two predictions.
+  const test::CourtPhotographs set(makeCourt(6, 480, 360, 1));
+  BuildOptions options = set.options;
+  options.threads = 8;
+  const auto predicted = [&](double memory) {
+    BuildPrediction prediction;
+    options.memory = memory;
+    options.predicted = [&](const BuildPrediction& p) {
+      prediction = p;
+      return false;
+    };
+    build(options);
+    return prediction;
+  };
+  const BuildPrediction much = predicted(64e9), least = predicted(1e6);
+  const double between = 0.5 * (least.memory + much.memory);
+  const BuildPrediction less = predicted(between);
+  CHECK(much.threads > 1);
+  CHECK(less.memory <= between);
+  CHECK(least.threads == 1);
+  CHECK(least.memory > least.memoryAllowed);
+}
+
+TEST_CASE("without poses the files alone say what is known") {
+  const test::CourtPhotographs set = court(5);
+  BuildOptions options = set.options;
+  options.model.clear();
+  options.colmap = "no such program";
+  bool told = false;
+  options.predicted = [&](const BuildPrediction& p) {
+    told = true;
+    CHECK(!p.posesKnown);
+    CHECK(!p.cellsKnown);
+    CHECK(p.photographs == 5);
+    return false;
+  };
+  build(options);
+  CHECK(told);
+  CHECK(!fs::exists(options.output));
+}
+
+TEST_CASE("a disk that is too full is told before anything is written") {
+  BuildPrediction prediction;
+  BuildOptions options;
+  options.output = "scene";
+  prediction.disk = 2e9;
+  prediction.diskFree = 1e9;
+  const Error error = test::errorOf([&] { checkRoom(prediction, options, {}); });
+  CHECK(error.code() == ErrorCode::io);
+  CHECK_THAT(error.what(), Contains("2.0 GB") && Contains("1.0 GB") && Contains("--texture bc7"));
+  std::string said;
+  const LogCallback log = [&](LogLevel, std::string_view text) { said += text; };
+  prediction.disk = 1.1e9;
+  checkRoom(prediction, options, log);
+  CHECK_THAT(said, Contains("disk"));
+  said.clear();
+  prediction.disk = 0.5e9;
+  checkRoom(prediction, options, log);
+  CHECK(said.empty());
+  prediction.memory = 3e9;
+  prediction.memoryAllowed = 2e9;
+  checkRoom(prediction, options, log);
+  CHECK_THAT(said, Contains("3.0 GB") && Contains("--memory"));
+}

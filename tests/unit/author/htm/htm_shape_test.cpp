@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/htm/htm_shape.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "htm_object.h"
+#include "support/error_of.h"
+#include "support/test_meshes.h"
+
+namespace ibr {
+namespace {
+
+// A wall that is said to lie `bump` before where it is, and what three cameras show of it.
+struct Wall {
+  TriangleMesh truly, said;
+  std::vector<HtmView> views;
+  std::vector<CameraSet> members;
+  std::vector<VertexMatch> matches;
+
+  template <class Bump>
+  explicit Wall(const Bump& bump, glm::dvec3 middle = glm::dvec3(0))
+      : truly(test::moved(test::flatGrid(8), middle + glm::dvec3(-4, -4, 0))), said(truly) {
+    const std::vector<glm::dvec3> normals = vertexNormals(truly);
+    for (std::size_t v = 0; v < said.positions.size(); ++v) said.positions[v] += normals[v] * bump(v);
+    const double side = normals[0].z > 0 ? 1 : -1;  // from which the wall is seen from its front
+    for (const glm::dvec3& from : {glm::dvec3(-3, 0, 9), {0.3, 2, 10}, {4, -1, 8}})
+      views.push_back(test::plainView(test::lookingAt(middle + from * glm::dvec3(1, 1, side), middle, 200, 150)));
+    members.assign(said.positions.size(), 7);
+    match();
+  }
+  void match() {
+    const std::size_t n = said.positions.size();
+    matches.assign(9 * n, {});
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t v = 0; v < n; ++v) {
+        const auto at = PinholeView(views[j].camera).seen(said.positions[v]);
+        const auto point = at ? test::pointBehind(truly, views[j].camera, at->pixel) : std::nullopt;
+        for (std::size_t i = 0; point && i < 3; ++i) {
+          if (i == j) continue;
+          const PinholeView view(views[i].camera);
+          matches[(i * 3 + j) * n + v] = {glm::vec2(view.seen(*point)->pixel - view.seen(said.positions[v])->pixel),
+                                          glm::vec3(20, 0, 20), 0};
+        }
+      }
+  }
+  std::vector<double> found(double smoothness = 1e-6) const {
+    return normalDisplacements(said, views, members, matches, {smoothness, 2});
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Vertices that lie before the surface are found to lie there, each by itself or all together") {
+  const double far = GENERATE(0.0, 1e6);
+  const auto bump = [](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); };
+  const Wall wall(bump, glm::dvec3(far, -far, far));
+  const std::vector<double> found = wall.found();
+  for (std::size_t v = 0; v < found.size(); ++v) {
+    INFO(v);
+    if (wall.matches[wall.said.positions.size() + v].information != glm::vec3(0))
+      CHECK(found[v] == Approx(-bump(v)).margin(0.004));
+  }
+  const Wall flat([](std::size_t) { return 0.08; }, glm::dvec3(far));
+  for (const double smoothness : {1e-3, 1.0, 100.0})
+    for (const double moved : flat.found(smoothness)) CHECK(moved == Approx(-0.08).margin(0.006));
+}
+
+TEST_CASE("One match that is far off moves nothing, and vertices without matches follow those around") {
+  Wall wall([](std::size_t) { return 0.08; });
+  const std::size_t n = wall.said.positions.size();
+  wall.matches[n + 40].displacement += glm::vec2(30, -20);
+  for (std::size_t pair = 0; pair < 9; ++pair) wall.matches[pair * n + 20] = {};
+  const std::vector<double> found = wall.found(1);
+  CHECK(found[40] == Approx(-0.08).margin(0.01));
+  CHECK(found[20] == Approx(-0.08).margin(0.01));
+}
+
+TEST_CASE("What is right or was not matched stays") {
+  Wall wall([](std::size_t) { return 0.0; });
+  for (const double moved : wall.found()) CHECK(std::abs(moved) < 1e-4);
+  wall.matches.assign(wall.matches.size(), {});
+  for (const double moved : wall.found()) CHECK(moved == 0);
+  wall.members.assign(wall.members.size(), 0);
+  for (const double moved : wall.found()) CHECK(moved == 0);
+}
+
+TEST_CASE("Cameras that look along the surface do not count") {
+  Wall wall([](std::size_t) { return 0.08; });
+  for (HtmView& view : wall.views) view.camera = test::lookingAt({30, 0.1, 0.5}, {0, 0, 0}, 200, 150);
+  for (const double moved : wall.found()) CHECK(moved == 0);
+}
+
+TEST_CASE("Outlines are drawn to the masks' borders") {
+  const TriangleMesh truly = test::sphere(24);
+  const double size = GENERATE(0.96, 1.04);
+  TriangleMesh said = truly;
+  for (glm::dvec3& p : said.positions) p *= size;
+  std::vector<HtmView> views;
+  for (const glm::dvec3& from : {glm::dvec3(6, 0.5, 0), {-5, 1, 4}, {0.5, 1, -6}, {0.3, 6, 0.2}, {2, -5, 2}}) {
+    views.push_back(test::plainView(test::lookingAt(from, {0, 0, 0}, 200, 200, 0.6)));
+    const MeshRaster seen = rasterised(truly, views.back().camera);
+    views.back().mask = Image8(200, 200, 1);
+    for (std::size_t p = 0; p < seen.face.values.size(); ++p)
+      views.back().mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
+  }
+  const std::vector<CameraSet> members(said.positions.size(), 0);
+  const std::vector<VertexMatch> matches(views.size() * views.size() * said.positions.size());
+  const auto mean = [&] {
+    double sum = 0;
+    for (const double moved : normalDisplacements(said, views, members, matches, {1, 2})) sum += moved;
+    return sum / double(said.positions.size());
+  };
+  CHECK(mean() == Approx(1 - size).margin(0.015));
+  CHECK(normalDisplacements(said, views, members, matches, {1, 2, 1}) ==
+        normalDisplacements(said, views, members, matches, {1, 2, 3}));
+  for (HtmView& view : views) view.mask = Image8(200, 200, 1, 255);
+  CHECK(mean() == 0);
+}
+
+TEST_CASE("Settling the shape tells how far it is, and ends when it is told to") {
+  const Wall wall([](std::size_t v) { return 0.05 * std::sin(0.4 * double(v)); });
+  std::size_t last = 1000, calls = 0;
+  const auto found = [&] {
+    return normalDisplacements(wall.said, wall.views, wall.members, wall.matches, {1, 2}, [&](const Progress& p) {
+      CHECK(p.done < p.total);
+      CHECK(p.total == 103);
+      ++calls;
+      return p.done < last;
+    });
+  };
+  CHECK(found() == wall.found(1));
+  CHECK(calls >= 101);
+  for (const std::size_t stop : {0, 3, 50}) {
+    last = stop;
+    calls = 0;
+    CHECK(test::errorOf([&] { found(); }).code() == ErrorCode::cancelled);
+    CHECK((stop > 0 || calls == 1));  // it does not ask again
+  }
+}
+
+TEST_CASE("What lies next to a camera, far outside its picture, is not drawn to its mask") {
+  const TriangleMesh said = test::sphere(24);
+  HtmView view = test::plainView(test::lookingAt({0, 0, 0}, {0, 0, -1}, 200, 200, 0.38));
+  const TriangleMesh moved = test::moved(said, {0, 0, -6});
+  const MeshRaster seen = rasterised(test::moved(said, {0.02, 0, -6}), view.camera);
+  view.mask = Image8(200, 200, 1);
+  for (std::size_t p = 0; p < seen.face.values.size(); ++p)
+    view.mask.values[p] = seen.face.values[p] == MeshRaster::kNone ? 0 : 255;
+  const auto displacementsOf = [&](const TriangleMesh& mesh) {
+    const std::vector<CameraSet> members(mesh.positions.size(), 0);
+    const std::vector<VertexMatch> matches(mesh.positions.size());
+    return normalDisplacements(mesh, {&view, 1}, members, matches, {1, 2});
+  };
+  const std::vector<double> alone = displacementsOf(moved);
+  CHECK(std::ranges::any_of(alone, [](double d) { return d != 0; }));
+  for (const double before : test::kBarelyBefore)
+    for (const double side : {-1.0, 1.0}) {
+      INFO(before << " " << side);
+      // A fold: one face is seen from its front, one from its back.
+      TriangleMesh more = moved;
+      const auto first = glm::uint(more.positions.size());
+      for (const glm::dvec3 at : {glm::dvec3(1, 0, -before), {1, 0.2, -1}, {2, 0.1, -0.5}, {2, 0.2, -0.1}})
+        more.positions.push_back(at * glm::dvec3(side, 1, 1));
+      more.triangles.push_back(glm::uvec3(0, 1, 2) + first);
+      more.triangles.push_back(glm::uvec3(0, 3, 1) + first);
+      const std::vector<double> both = displacementsOf(more);
+      for (std::size_t v = 0; v < both.size(); ++v) CHECK(both[v] == (v < first ? alone[v] : 0.0));
+    }
+}
+
+TEST_CASE("Without a mask, outlines stay and nothing that is matched there counts") {
+  Wall wall([](std::size_t) { return 0.05; });
+  std::vector<double> found = wall.found();
+  for (const double moved : found) CHECK(moved < -0.03);
+  // A second wall behind each, which looks away: now the border is an outline for all three cameras.
+  for (TriangleMesh* mesh : {&wall.truly, &wall.said}) {
+    const auto n = std::uint32_t(mesh->positions.size());
+    const TriangleMesh front = *mesh;
+    for (std::size_t v = 0; v < n; ++v) {
+      const bool border = v % 9 == 0 || v % 9 == 8 || v < 9 || v + 9 >= n;
+      mesh->positions.push_back(front.positions[v] - glm::dvec3(0, 0, border ? 0 : 1));
+    }
+    for (const glm::uvec3& t : front.triangles) {
+      glm::uvec3 back{t.x, t.z, t.y};
+      for (int k = 0; k < 3; ++k)
+        if (const std::uint32_t v = back[k]; !(v % 9 == 0 || v % 9 == 8 || v < 9 || v + 9 >= n)) back[k] += n;
+      mesh->triangles.push_back(back);
+    }
+  }
+  wall.members.resize(wall.said.positions.size(), 0);
+  wall.match();
+  found = wall.found();
+  const auto atBorder = [](std::size_t v) { return v % 9 == 0 || v % 9 == 8 || v < 9 || v >= 72; };
+  for (std::size_t v = 0; v < 81; ++v) {
+    INFO(v);
+    if (atBorder(v))
+      CHECK(std::abs(found[v]) < 1e-3);
+    else
+      CHECK(found[v] < -0.03);
+  }
+  for (HtmView& view : wall.views) view.mask = Image8(view.picture.width, view.picture.height, 1, 255);
+  found = wall.found();
+  for (std::size_t v = 0; v < 81; ++v)
+    if (atBorder(v)) CHECK(std::abs(found[v]) > 0.01);
+}
+
+TEST_CASE("Vertices move along their normals, but no face is turned over") {
+  const TriangleMesh grid = test::flatGrid(4);
+  std::vector<double> by(grid.positions.size(), 0.25);
+  TriangleMesh moved = displaced(grid, by);
+  for (std::size_t v = 0; v < by.size(); ++v)
+    CHECK(glm::distance(moved.positions[v], grid.positions[v]) == Approx(0.25));
+  by[12] = 50;
+  moved = displaced(grid, by);
+  CHECK(moved.positions[12] == grid.positions[12]);
+  CHECK(glm::distance(moved.positions[0], grid.positions[0]) == Approx(0.25));
+  CHECK(displaced({}, {}).triangles.empty());
+}
+
+}  // namespace ibr

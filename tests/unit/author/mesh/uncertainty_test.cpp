@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/mesh/uncertainty.h"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+using namespace ibr;
+
+TEST_CASE("a vertex whose neighbours disagree is uncertain, and none is surer than its match and a level") {
+  MorphMesh mesh;
+  mesh.inverseDistance = {0.2f, 0.2f, 0.2f, 0.9f, 0.2f, 0.5f};
+  mesh.uncertainty.assign(6, 0.01f);
+  mesh.uncertainty[4] = 0.3f;
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 2, 4}};
+  const std::vector<double> level(6, 0.02);
+  MorphMesh widened = mesh;
+  widenUncertainty(widened, level);
+  const std::vector<float>& sigma = widened.uncertainty;
+  CHECK(sigma[3] > 0.7f);               // alone before the others
+  CHECK(sigma[1] > sigma[0]);           // touches it
+  CHECK(sigma[4] >= 0.3f);              // what the match said stays
+  CHECK(sigma[5] == Approx(sigma[0]));  // in no triangle: as if all agreed
+  for (const float s : sigma) CHECK(s > 0.02f);
+
+  MorphMesh farther = mesh;  // without levels only the neighbours count
+  widenUncertainty(farther, std::vector<double>(6, 0.0));
+  CHECK(farther.uncertainty[5] == 0.01f);
+}

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is masked where, of what was found to have moved; and what looks unlike its surroundings.
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <opencv2/core.hpp>
+
+#include "author/movers/familiar.h"
+#include "author/movers/settle_movers.h"
+#include "support/posed_rig.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+constexpr int kWidth = 200, kHeight = 120;
+constexpr float kWall = 0.25f;  // inverse depth
+
+OddRegion box(Blame blame, int left, int top, int right, int bottom) {
+  OddRegion region{blame, 0, {}};
+  for (int y = top; y < bottom; ++y)
+    for (int x = left; x < right; ++x) region.pixels.push_back({std::uint16_t(x), std::uint16_t(y), kWall});
+  return region;
+}
+
+// Two cameras side by side before a wall: what the first sees the second sees `kShift` px to the left.
+struct Pair {
+  std::vector<JudgedView> views;
+  int shift;
+
+  explicit Pair(double apart = 1) {
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      JudgedView view{lookingAlong({i ? apart : 0, 0, 0}, {0, 1, 0}, kWidth, kHeight), {1 - i}, {}};
+      view.odd = {kWidth, kHeight, {}, ImageF(kWidth / kDepthStep, kHeight / kDepthStep, 1, kWall)};
+      views.push_back(view);
+    }
+    shift = int(std::lround(apart * double(kWall) * views[0].camera.intrinsics.fx));
+  }
+};
+
+bool covers(const BitMask& mask, int left, int top, int right, int bottom) {
+  for (int y = top; y < bottom; ++y)
+    for (int x = left; x < right; ++x)
+      if (!mask.at(x, y)) return false;
+  return true;
+}
+
+int countOf(const BitMask& mask) {
+  int count = 0;
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) count += mask.at(x, y);
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("who moved is masked in his own photograph, with a rim, and in no other one") {
+  Pair pair;
+  pair.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
+  const std::vector<BitMask> masks = settleMovers(pair.views);
+  CHECK(covers(masks[0], 100, 40, 120, 80));
+  CHECK(covers(masks[0], 98, 45, 122, 75));
+  CHECK(countOf(masks[0]) < 26 * 46);
+  CHECK(masks[1].empty());
+}
+
+TEST_CASE("who hides what nobody else shows stays, and the others show him, too") {
+  Pair pair;
+  const int x = pair.shift;  // the second sees what is left of it not at all
+  REQUIRE(x > 10);
+  pair.views[0].odd.regions = {box(Blame::own, x - 10, 40, x + 10, 80)};
+  std::vector<BitMask> masks = settleMovers(pair.views);
+  CHECK(masks[0].empty());
+  REQUIRE_FALSE(masks[1].empty());
+  CHECK(covers(masks[1], 1, 41, 9, 79));
+  CHECK_FALSE(masks[1].at(20, 60));
+  // Both hide the same: one of the two stays, and the other one is masked.
+  Pair both;
+  both.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
+  both.views[1].odd.regions = {box(Blame::own, 100 - x, 40, 120 - x, 80)};
+  masks = settleMovers(both.views);
+  CHECK((masks[0].empty() != masks[1].empty()));
+  const bool first = masks[1].empty();
+  CHECK(covers(masks[first ? 0 : 1], first ? 100 : 100 - x, 40, first ? 120 : 120 - x, 80));
+}
+
+TEST_CASE("a photograph that is unsure of itself believes another one; where depths differ nobody is blamed") {
+  Pair pair;
+  const int x = pair.shift;
+  pair.views[0].odd.regions = {box(Blame::unsure, 100, 40, 120, 80)};
+  CHECK(settleMovers(pair.views)[0].empty());
+  pair.views[1].odd.regions = {box(Blame::another, 100 - x, 40, 120 - x, 60)};
+  CHECK(covers(settleMovers(pair.views)[0], 100, 40, 120, 80));
+  // The second knows something else in that direction, so it does not see the place.
+  std::ranges::fill(pair.views[1].odd.depth.values, 2 * kWall);
+  CHECK(settleMovers(pair.views)[0].empty());
+  // Nor does it from behind.
+  Pair away;
+  away.views[0].odd.regions = {box(Blame::own, 100, 40, 120, 80)};
+  away.views[1].camera = lookingAlong({0, 0, 0}, {0, -1, 0}, kWidth, kHeight);
+  for (const BitMask& mask : settleMovers(away.views)) CHECK(mask.empty());
+  CHECK(settleMovers({}).empty());
+}
+
+TEST_CASE("what is found beside it is familiar, what is not is not") {
+  cv::Mat wall(60, 80, CV_32FC3);
+  for (int y = 0; y < wall.rows; ++y)
+    for (int x = 0; x < wall.cols; ++x) wall.at<cv::Vec3f>(y, x) = cv::Vec3f::all(x % 8 < 4 ? 80.0f : 160.0f);
+  cv::Mat somebody = wall.clone();
+  somebody(cv::Rect(30, 20, 16, 20)) = cv::Scalar(250, 20, 60);
+  cv::Mat where(60, 80, CV_8U, cv::Scalar(0));
+  where(cv::Rect(30, 20, 16, 20)) = 255;
+  const std::array<cv::Mat, 2> both{somebody, wall};
+  const cv::Mat around = where == 0;
+  CHECK(cv::mean(unfamiliarity(wall, where, both, around), where)[0] < 1);
+  CHECK(cv::mean(unfamiliarity(somebody, where, std::span(both).last(1), around), where)[0] > 60);
+  CHECK(cv::countNonZero(unfamiliarity(somebody, where, both, around) > 0) <= 16 * 20);
+  CHECK(cv::countNonZero(unfamiliarity(somebody, where, both, cv::Mat(60, 80, CV_8U, cv::Scalar(0)))) == 0);
+  CHECK(cv::countNonZero(unfamiliarity(somebody, where, {}, around)) == 0);
+}

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lies in folders of photographs: every orientation, sizes that differ, files that cannot be read.
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <glm/vec2.hpp>
+
+#include "author/build/build_input.h"
+#include "author/photographs/photographs.h"
+#include "author/photographs/picture_folder.h"
+#include "base/file.h"
+#include "ibr/author.h"
+#include "io/image_file.h"
+#include "support/court_photographs.h"
+#include "support/error_of.h"
+#include "support/temporary_folder.h"
+#include "support/turned_photograph.h"
+
+namespace fs = std::filesystem;
+using namespace ibr;
+using Catch::Matchers::Contains;
+using test::storedAs, test::writeTurned;
+
+namespace {
+
+void writeText(const fs::path& file, std::string_view text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+double meanDifference(const Image8& a, const Image8& b) {
+  REQUIRE((a.width == b.width && a.height == b.height));
+  double sum = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) sum += std::abs(int(a.values[i]) - int(b.values[i]));
+  return sum / double(a.values.size());
+}
+
+Image8 ramp(int width, int height) {
+  Image8 picture(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      picture.pixel(x, y)[0] = std::uint8_t(240 * x / width);
+      picture.pixel(x, y)[1] = std::uint8_t(240 * y / height);
+      picture.pixel(x, y)[2] = 60;
+    }
+  return picture;
+}
+
+PosedImage posed(const std::string& name, int width, int height) {
+  return {name, {pinholeFromFov(width, height, 1), {}}};
+}
+
+}  // namespace
+
+TEST_CASE("each orientation fits a model of the upright pictures and one of those as stored") {
+  const test::TemporaryFolder folder;
+  for (const glm::ivec2 size : {glm::ivec2(48, 32), {32, 48}, {40, 40}})
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      const Image8 upright = ramp(size.x, size.y), stored = storedAs(orientation, upright);
+      writeTurned(folder / "a.jpg", stored, orientation);
+      INFO(size.x << "x" << size.y << ", orientation " << orientation);
+      const PosedImage modelOfUpright = posed("a.jpg", size.x, size.y);
+      const PosedImage modelOfStored = posed("a.jpg", stored.width, stored.height);
+      const auto load = [&](const PosedImage& image, Orientation how) {
+        return loadPhotograph(findPhotograph(folder / "", image, 0, how));
+      };
+      CHECK(meanDifference(load(modelOfUpright, Orientation::exif), upright) < 2);
+      CHECK(meanDifference(load(modelOfStored, Orientation::stored), stored) < 2);
+      const bool told = orientation >= 5 && size.x != size.y;  // by the shape
+      CHECK(meanDifference(load(modelOfUpright, Orientation::automatic), told ? upright : stored) < 2);
+      CHECK(meanDifference(load(modelOfStored, Orientation::automatic), stored) < 2);
+      CHECK(findPhotograph(folder / "", modelOfStored, 0).turnUnsure == (orientation > 1 && !told));
+      if (told) {
+        CHECK_THROWS_AS(findPhotograph(folder / "", modelOfUpright, 0, Orientation::stored), Error);
+        CHECK_THROWS_AS(findPhotograph(folder / "", modelOfStored, 0, Orientation::exif), Error);
+      }
+    }
+}
+
+TEST_CASE("photographs that fit both ways are turned as the others of their set are") {
+  const test::TemporaryFolder folder;
+  for (const bool withTurned : {false, true}) {
+    fs::remove_all(folder / "photos");
+    const Image8 upright = ramp(48, 32);
+    PosedModel model;
+    const auto add = [&](const std::string& name, int orientation, int width, int height) {
+      writeTurned(folder / "photos" / name, storedAs(orientation, upright), orientation);
+      model.images.push_back(posed(name, width, height));
+    };
+    add("half.jpg", 3, 48, 32);
+    add("plain.jpg", 1, 48, 32);
+    if (withTurned) add("quarter.jpg", 6, 48, 32);
+    writeColmapModel(model, folder / "model");
+    BuildOptions options;
+    options.photographs = folder / "photos";
+    options.model = folder / "model";
+    options.output = folder / "scene";
+    std::string said;
+    const LogCallback log = [&](LogLevel level, std::string_view text) {
+      if (level == LogLevel::warning) said += text;
+    };
+    const BuildInput input = readInput(options, log);
+    CHECK(input.photographs[0].applyOrientation == withTurned);
+    CHECK(!input.photographs[1].applyOrientation);
+    CHECK(meanDifference(loadPhotograph(input.photographs[0]), withTurned ? upright : storedAs(3, upright)) < 2);
+    CHECK_THAT(said, Contains("1 of") && Contains("half.jpg") && !Contains("plain.jpg") &&
+                         Contains(withTurned ? "--orientation stored" : "--orientation exif"));
+    options.orientation = withTurned ? Orientation::stored : Orientation::exif;
+    said.clear();
+    if (withTurned) continue;  // stored: the quarter turn has another shape
+    CHECK(readInput(options, log).photographs[0].applyOrientation);
+    CHECK(said.empty());
+  }
+}
+
+TEST_CASE("a folder's pictures are told from previews, hidden files and what cannot be read") {
+  const test::TemporaryFolder folder;
+  const Image8 small(2, 2, 3, 9);
+  for (const char* name : {"a.jpg", "b.png"}) writeImage(folder / name, small);
+  fs::create_directories(folder / "sub/@eaDir/IMG.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "C.JPG");
+  fs::copy_file(folder / "a.jpg", folder / "sub/d.jpeg");
+  fs::copy_file(folder / "a.jpg", folder / "._a.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "sub/@eaDir/IMG.jpg/SYNOPHOTO_THUMB.jpg");
+  fs::create_directories(folder / ".thumbnails");
+  fs::copy_file(folder / "a.jpg", folder / ".thumbnails/a.jpg");
+  fs::copy_file(folder / "a.jpg", folder / "caf\xe9.jpg");  // Latin-1
+  fs::create_symlink(folder / "a.jpg", folder / "link.jpg");
+  fs::create_symlink(folder / "nothing.jpg", folder / "broken.jpg");
+  fs::create_directory_symlink(folder / "", folder / "loop");
+  writeText(folder / "notes.txt", "hello");
+  writeText(folder / "empty.jpg", "");
+  writeText(folder / "text.jpg", "hello");
+  using namespace std::string_literals;
+  writeText(folder / "phone.jpg", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);  // HEIC by another name
+  for (const char* name : {"x1.HEIC", "x2.HEIC", "x3.heic", "x4.HEIC"})
+    writeText(folder / name, "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  writeText(folder / "raw.NEF", "MM\0*raw"s);
+  writeText(folder / "a.CR2", "II*\0raw"s);  // beside a.jpg
+  writeText(folder / "web.webp", "RIFF\x10\0\0\0WEBPVP8 "s);
+  const PictureFolder found = lookInto(folder / "");
+  CHECK(
+      (found.pictures == std::vector<std::string>{"C.JPG", "a.jpg", "b.png", "caf\xe9.jpg", "link.jpg", "sub/d.jpeg"}));
+  std::vector<std::string> names;
+  for (const auto& unread : found.unread) names.push_back(unread.name);
+  CHECK((names == std::vector<std::string>{"empty.jpg", "phone.jpg", "raw.NEF", "text.jpg", "web.webp", "x1.HEIC",
+                                           "x2.HEIC", "x3.heic", "x4.HEIC"}));
+  const std::string text = unreadText(found.unread);
+  CHECK_THAT(text, Contains("phone.jpg, x1.HEIC, x2.HEIC and 2 more: HEIC files are not read") &&
+                       Contains("empty.jpg: is empty") && Contains("raw.NEF: raw files are not read: develop") &&
+                       Contains("web.webp: WebP files") && Contains("text.jpg: is no JPEG") && !Contains("\n"));
+  CHECK(unreadText({}).empty());
+}
+
+namespace {
+
+// Four photographs before a court's wall: of 96 × 72 px, of 160 × 120, upright ones, and one twice as wide as its
+// model.
+test::CourtPhotographs mixedSet() {
+  Court court = makeCourt(36, 96, 72, 1);
+  court.cameras.resize(4);
+  court.cameras[1].intrinsics = pinholeFromFov(160, 120, 0.9);
+  court.cameras[2].intrinsics = pinholeFromFov(72, 96, 1.1);
+  return test::CourtPhotographs(court, 3);
+}
+
+}  // namespace
+
+TEST_CASE("photographs of several cameras and shapes share a cell") {
+  const test::CourtPhotographs set = mixedSet();
+  BuildOptions options = set.options;
+  const BuildReport report = build(options);
+  CHECK(report.unused.empty());
+  REQUIRE(!report.cells.empty());
+  bool mixed = false;
+  for (const auto& cell : report.cells) {
+    CHECK(cell.quality.ecc > 0.8);
+    CHECK(cell.quality.coverage > 0.2);
+    mixed = mixed || std::ranges::count(cell.members, "photo02.jpg") > 0;
+  }
+  CHECK(mixed);
+  const Scene scene = loadScene(options.output);
+  CHECK(scene.nodes[2].camera.intrinsics.height == 96);
+  CHECK(scene.nodes[3].camera.intrinsics.width == 192);
+}
+
+TEST_CASE("all photographs that cannot be read are named at once, with the way out") {
+  const test::CourtPhotographs set = mixedSet();
+  for (const char* name : {"photo01.jpg", "photo02.jpg"}) {
+    const fs::path file = set.options.photographs / name;
+    fs::resize_file(file, fs::file_size(file) / 2);
+  }
+  const Error error = test::errorOf([&] { build(set.options); });
+  CHECK(error.code() == ErrorCode::invalidInput);
+  CHECK_THAT(error.what(), Contains("2 photographs") && Contains("photo01.jpg") && Contains("photo02.jpg") &&
+                               !Contains("photo00.jpg") && Contains("--exclude"));
+  BuildOptions options = set.options;
+  options.exclude = {"photo01.jpg", "photo02.jpg"};
+  options.backdrops = false;
+  CHECK(build(options).cells.size() == 1);
+}
+
+TEST_CASE("what a folder holds beside photographs is told, and stands in the scene") {
+  const test::CourtPhotographs set = mixedSet();
+  using namespace std::string_literals;
+  writeText(set.options.photographs / "x.HEIC", "\0\0\0\x18"s + "ftypheic" + "\0\0\0\0"s);
+  writeText(set.options.photographs / "photo00.CR2", "II*\0raw"s);
+  BuildOptions options = set.options;
+  options.backdrops = false;
+  std::string said;
+  const BuildReport report = build(options, {}, [&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::warning) said += text;
+  });
+  CHECK_THAT(said, Contains("x.HEIC: HEIC files are not read") && !Contains("photo00.CR2"));
+  REQUIRE(report.unused.size() == 1);
+  CHECK(report.unused[0].name == "x.HEIC");
+  CHECK_THAT(report.unused[0].reason, Contains("convert"));
+}
+
+TEST_CASE("scenes in a folder of photographs are not taken for photographs") {
+  const test::TemporaryFolder folder;
+  const Image8 small(2, 2, 3, 9);
+  for (const char* name : {"a.jpg", "made/images/a.jpg", "half/images/a.jpg", "trip/b.jpg"}) {
+    fs::create_directories((folder / name).parent_path());
+    writeImage(folder / name, small);
+  }
+  writeText(folder / "made/scene.gltf", "{}");
+  fs::create_directories(folder / "half/.build");
+  CHECK((lookInto(folder / "").pictures == std::vector<std::string>{"a.jpg", "trip/b.jpg"}));
+  CHECK((lookInto(folder / "made").pictures == std::vector<std::string>{"images/a.jpg"}));  // asked for
+}
+
+TEST_CASE("all photographs that are missing are named at once, and what they are called instead") {
+  const test::CourtPhotographs set = mixedSet();
+  const fs::path photographs = set.options.photographs;
+  fs::rename(photographs / "photo01.jpg", photographs / "Photo01.JPG");
+  fs::remove(photographs / "photo03.jpg");
+  const Error error = test::errorOf([&] { build(set.options); });
+  CHECK(error.code() == ErrorCode::io);
+  CHECK_THAT(error.what(), Contains("2 of the model's 4 photographs are missing") &&
+                               Contains("photo01.jpg (there it is Photo01.JPG), photo03.jpg.") &&
+                               Contains("--exclude"));
+}
+
+TEST_CASE("what a scene stores is called what it is") {
+  const test::TemporaryFolder folder;
+  const Image8 picture = ramp(48, 32);
+  fs::create_directories(folder / "p");
+  writeImage(folder / "p/a.png", picture);
+  fs::rename(folder / "p/a.png", folder / "p/a.jpg");
+  writeImage(folder / "p/b.jpg", picture);
+  fs::rename(folder / "p/b.jpg", folder / "p/b.png");
+  const Photograph called = findPhotograph(folder / "p", posed("a.jpg", 48, 32), 0);
+  CHECK(!called.copied);
+  CHECK(called.imageFile == "images/a.jpg.png");
+  const Photograph other = findPhotograph(folder / "p", posed("b.png", 48, 32), 0);
+  CHECK(!other.copied);
+  CHECK(other.imageFile == "images/b.png");
+  storePicture(other, folder / "scene");
+  CHECK(probeImage(folder / "scene/images/b.png").format == ImageFormat::png);
+}
