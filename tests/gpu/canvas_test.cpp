@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include "command_buffers.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/draw/pipeline.h"
+#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/submit.h"
 #include "gpu/transfer/upload.h"

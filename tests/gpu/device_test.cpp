@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
 #include "gpu/device/device_choice.h"
+#include "gpu/transfer/buffer.h"
 #include "gpu/transfer/submit.h"
 #include "ibr/error.h"
 #include "support/gpu.h"

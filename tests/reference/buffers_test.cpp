@@ -114,8 +114,11 @@ TEST_CASE("buffers are the twin's") {
 TEST_CASE("nothing that is not finite reaches a target, wherever one stands and however it is drawn", "[P4]") {
   const Stage stage(testDevice(), richPlace());
   const Recorder recorder(stage);
-  std::vector<Camera> views = {cameraAt({0.6, 0.4, 0.2}, 0.1), cameraAt({1e3, 1e3, 1e3}), cameraAt({0, 0, 1e9}),
-                               cameraAt({0.6, 0.4, -7.999999}), cameraAt({0.6, 0.4, -9}, std::numbers::pi),
+  std::vector<Camera> views = {cameraAt({0.6, 0.4, 0.2}, 0.1),
+                               cameraAt({1e3, 1e3, 1e3}),
+                               cameraAt({0, 0, 1e9}),
+                               cameraAt({0.6, 0.4, -7.999999}),
+                               cameraAt({0.6, 0.4, -9}, std::numbers::pi),
                                cameraAt({0.6, 0.4, 0}, 0, std::numbers::pi / 2)};
   for (const double field : {1e-3, 3.1}) views.push_back(cameraAt({0.5, 0.4, 0.1}, 0, 0, 320, 240, field));
   for (const Node& node : stage.scene().nodes) views.push_back(node.camera);

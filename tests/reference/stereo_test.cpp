@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "gpu/draw/multiview.h"
 #include "gpu/transfer/barrier.h"
 #include "gpu/transfer/gpu_image.h"
-#include "gpu/draw/multiview.h"
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"

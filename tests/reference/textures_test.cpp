@@ -182,8 +182,7 @@ TEST_CASE("the bicubic filter shows what the twin computes, large and small, and
   for (int y = 0; y < own.height; ++y)
     for (int x = 0; x < own.width; ++x)
       if (own.pixel(x, y)[3] == 255)  // tier 0
-        for (std::size_t c = 0; c < 3; ++c)
-          REQUIRE(std::abs(own.pixel(x, y)[c] - photograph.pixel(x, y)[c]) <= 1);
+        for (std::size_t c = 0; c < 3; ++c) REQUIRE(std::abs(own.pixel(x, y)[c] - photograph.pixel(x, y)[c]) <= 1);
 }
 
 TEST_CASE("where a photograph is magnified the bicubic filter is nearer to the truth than the trilinear one") {

@@ -65,8 +65,7 @@ TEST_CASE("numbers are numbers, finite and in range", "[P2][N16]") {
     for (const std::string value : {"-0.01", "1.01", "-1e300"}) refuse(quality + share, value);
   for (const std::string value : {"-1.01", "1.01"}) refuse(quality + "ecc", value);
   refuse(quality + "residualPx", "-0.01");
-  for (const std::string value : {"0", "-1", "4097", "0.0002"})
-    refuse(kExtension + "/photographs/1/gain/2", value);
+  for (const std::string value : {"0", "-1", "4097", "0.0002"}) refuse(kExtension + "/photographs/1/gain/2", value);
   for (const std::string value : {"[1,1]", "[1,1,1,1]", "1"}) refuse(kExtension + "/photographs/1/gain", value);
   const std::string capture = kExtension + "/photographs/1/capture";
   for (const std::string number : {"exposureTime", "fNumber", "iso"})

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "base/check.h"
-#include "batch/files/encoded_as.h"
 #include "batch/bench/bench_photographs.h"
+#include "batch/files/encoded_as.h"
 #include "gpu/draw/scope.h"
 #include "ibr/metrics.h"
 #include "ibr/offscreen.h"

@@ -18,8 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string nameOf(const MatchScore& score) {
-  return std::string(methodName(score.method)) +
-         (score.filter == TriangleFilter::homogeneous ? ", homogeneous" : "");
+  return std::string(methodName(score.method)) + (score.filter == TriangleFilter::homogeneous ? ", homogeneous" : "");
 }
 
 struct Figure {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "batch/inspect/advice_report.h"
 #include "batch/build/build_options.h"
-#include "batch/command.h"
 #include "batch/build/refinement_report.h"
+#include "batch/command.h"
+#include "batch/inspect/advice_report.h"
 #include "batch/inspect/unused_photographs.h"
 #include "ibr/author.h"
 #include "shared/cli/progress.h"
@@ -34,9 +34,8 @@ std::string joined(const std::vector<std::string>& names) {
 
 // A line or two, for people.
 std::string predictionText(const BuildPrediction& p) {
-  std::string text =
-      fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs, p.megapixels,
-                  p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
+  std::string text = fmt::format("{} photographs ({:.0f} megapixels), {}{} cells, {} backdrops: ", p.photographs,
+                                 p.megapixels, p.cellsKnown ? "" : "perhaps ", p.cells, p.backdrops);
   if (!p.posesKnown) text += "poses are estimated first by COLMAP, which may take long, and memory of its own; then ";
   text += fmt::format("about {} on {} threads, at most {} of memory and {} of the disk", durationText(p.seconds),
                       p.threads, bytesText(p.memory), bytesText(p.disk));
@@ -44,13 +43,20 @@ std::string predictionText(const BuildPrediction& p) {
 }
 
 Json predictionJson(const BuildPrediction& p) {
-  Json json{{"photographs", p.photographs}, {"megapixels", p.megapixels},
-            {"cells", p.cells},             {"cellsKnown", p.cellsKnown},
-            {"backdrops", p.backdrops},     {"posesKnown", p.posesKnown},
-            {"threads", p.threads},         {"seconds", p.seconds},
-            {"processorSeconds", p.processorSeconds}, {"memory", p.memory},
-            {"memoryAllowed", p.memoryAllowed},       {"disk", p.disk},
-            {"diskFree", p.diskFree},       {"stages", Json::array()}};
+  Json json{{"photographs", p.photographs},
+            {"megapixels", p.megapixels},
+            {"cells", p.cells},
+            {"cellsKnown", p.cellsKnown},
+            {"backdrops", p.backdrops},
+            {"posesKnown", p.posesKnown},
+            {"threads", p.threads},
+            {"seconds", p.seconds},
+            {"processorSeconds", p.processorSeconds},
+            {"memory", p.memory},
+            {"memoryAllowed", p.memoryAllowed},
+            {"disk", p.disk},
+            {"diskFree", p.diskFree},
+            {"stages", Json::array()}};
   for (const auto& stage : p.stages)
     json["stages"].push_back(
         {{"stage", stage.name}, {"seconds", stage.seconds}, {"processorSeconds", stage.processorSeconds}});
@@ -71,17 +77,16 @@ std::string restText(std::size_t rows) {
 void printReport(const BuildReport& report, const StageSeconds& stages, const BuildOptions& options,
                  const Context& context) {
   Table cells;
-  cells.row(
-      {"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
+  cells.row({"cell", "matcher", "points", "triangles", "tier 0", "coverage", "ECC", "residual px", "score", "s"});
   std::size_t points = 0, triangles = 0, resumed = 0;
   const std::size_t shown = rowsShown(report.cells.size());
   for (std::size_t c = 0; c < report.cells.size(); ++c) {
     const auto& cell = report.cells[c];
-    if (c < shown) cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
-               fmt::format("{}", cell.triangles),
-               fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3), numberText(cell.quality.ecc, 3),
-               numberText(cell.quality.residualPx, 2), numberText(cell.quality.score, 3),
-               cell.resumed ? "kept" : numberText(cell.seconds, 1)});
+    if (c < shown)
+      cells.row({joined(cell.members), methodName(cell.matcher), fmt::format("{}", cell.points),
+                 fmt::format("{}", cell.triangles), fmt::format("{}", cell.tier0), numberText(cell.quality.coverage, 3),
+                 numberText(cell.quality.ecc, 3), numberText(cell.quality.residualPx, 2),
+                 numberText(cell.quality.score, 3), cell.resumed ? "kept" : numberText(cell.seconds, 1)});
     points += cell.points;
     triangles += cell.triangles;
     resumed += cell.resumed;
@@ -217,8 +222,10 @@ const Command kBuildCommand{
         "ibr build photographs -o scene --exclude IMG_0007.jpg IMG_0015.jpg --json report.json",
     .details =
         "PHOTOS are photographs; their poses are a COLMAP model (text or binary), transforms.json, or for panoramas a "
-        "model with EQUIRECTANGULAR cameras or --panoramas. Where there are none, the program COLMAP estimates them, in "
-        "SCENE/.poses. Photographs of lenses that distort are undistorted; those of pinholes are stored as they are. The "
+        "model with EQUIRECTANGULAR cameras or --panoramas. Where there are none, the program COLMAP estimates them, "
+        "in "
+        "SCENE/.poses. Photographs of lenses that distort are undistorted; those of pinholes are stored as they are. "
+        "The "
         "same input, options and seed give the same scene. A build that was stopped goes on where it was.",
     .afterInterrupt = "What was finished is kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {

@@ -73,9 +73,10 @@ void declareInputOptions(CLI::App& app, BuildChoices& choices) {
       ->type_name("FILE")
       ->excludes("--model")
       ->excludes("--transforms");
-  app.add_option("--masks", choices.build.masks,
-                 "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
-                 "neither matched nor shown")
+  app.add_option(
+         "--masks", choices.build.masks,
+         "Folder of masks, as COLMAP has them: NAME.jpg.png or NAME.png, of the photograph's size, 0 where it is "
+         "neither matched nor shown")
       ->type_name("DIR");
 }
 
@@ -98,9 +99,10 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       {{"auto", Orientation::automatic}, {"stored", Orientation::stored}, {"exif", Orientation::exif}},
       "How photographs that EXIF says are turned lie before their cameras: as stored (COLMAP), or upright [auto: as "
       "their shapes say]");
-  addChoice<bool>(app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
-                  "Mask who moved, people and cars, where another photograph shows the place without them; who hides what "
-                  "none shows is seen as one photograph has him [keep]");
+  addChoice<bool>(
+      app, "--movers", choices.build.removeMovers, {{"keep", false}, {"remove", true}},
+      "Mask who moved, people and cars, where another photograph shows the place without them; who hides what "
+      "none shows is seen as one photograph has him [keep]");
   addChoice<bool>(app, "--match-exposure", choices.build.matchExposures, {{"on", true}, {"off", false}},
                   "Measure how photographs were exposed and white-balanced, for what render's --exposure shows [on]");
   addChoice<bool>(app, "--vignetting", choices.build.fitVignetting, {{"fit", true}, {"off", false}},

@@ -5,9 +5,9 @@
 
 #include "base/check.h"
 #include "batch/build/cell_figures.h"
-#include "batch/command.h"
 #include "batch/build/optimise_options.h"
 #include "batch/build/optimise_pictures.h"
+#include "batch/command.h"
 #include "shared/cli/options.h"
 #include "shared/cli/progress.h"
 #include "shared/report/table.h"

@@ -5,9 +5,9 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "batch/build/build_options.h"
-#include "batch/command.h"
 #include "batch/build/pose_errors.h"
 #include "batch/build/refinement_report.h"
+#include "batch/command.h"
 #include "ibr/refine_poses.h"
 #include "shared/cli/progress.h"
 

@@ -46,12 +46,8 @@ std::string text(const PoseRefinement& r) {
 }
 
 Json json(const PoseRefinement& r) {
-  Json report{{"tracksOfCells", r.tracksOfCells},
-              {"tracksOfModel", r.tracksOfModel},
-              {"kept", r.moved.empty()},
-              {"steps", Json::array()},
-              {"before", errorsJson(r.before)},
-              {"after", errorsJson(r.after)},
+  Json report{{"tracksOfCells", r.tracksOfCells}, {"tracksOfModel", r.tracksOfModel}, {"kept", r.moved.empty()},
+              {"steps", Json::array()},           {"before", errorsJson(r.before)},   {"after", errorsJson(r.after)},
               {"photographs", Json::array()}};
   for (const auto& [by, cells, model, taken] : r.steps)
     report["steps"].push_back({{"by", by}, {"cellsSurer", cells}, {"modelSurer", model}, {"taken", taken}});

@@ -62,7 +62,8 @@ const Command kSplitCommand{
         "ibr split hall --panoramas hall/panoramas.json -o faces",
     .details =
         "PANORAMA is one equirectangular picture, whose camera is put at the origin; or, with --model or --panoramas, "
-        "the folder that the names of posed panoramas are relative to: all of them are split, and the points they share "
+        "the folder that the names of posed panoramas are relative to: all of them are split, and the points they "
+        "share "
         "go with them. The pictures are images/NAME_FACE below DIR, JPEG where the panorama is one; sparse/ holds the "
         "model, so that `ibr build DIR/images` finds it. Above 90 degrees the faces of a cube overlap. Faces as sharp "
         "as the panorama's horizon are the default; smaller ones are averaged, not skipped over.",

@@ -73,7 +73,8 @@ ExitCode examine(const std::string& path, const BuildChoices& choices, const Con
 const Command kDoctorCommand{
     .name = "doctor",
     .summary = "Says what is wrong with this machine, a folder of photographs or a scene, and what to do about it",
-    .examples = "ibr doctor\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 --masks masks\n"
+    .examples =
+        "ibr doctor\nibr doctor photographs\nibr doctor photographs --model colmap/sparse/0 --masks masks\n"
         "ibr doctor scene\nibr doctor photographs --json findings.json",
     .details =
         "Sentences with a remedy each, the gravest first: !! is serious, ! makes pictures worse, - is a hint. Exit "

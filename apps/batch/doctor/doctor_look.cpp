@@ -6,10 +6,10 @@
 #include <numeric>
 
 #include "author/pixels/resize.h"
-#include "base/parallel.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/parallel.h"
 #include "base/usage.h"
 #include "image/sharpness.h"
 #include "shared/cli/progress.h"
@@ -94,7 +94,8 @@ double alikeness(const ExaminedPhotograph& a, const ExaminedPhotograph& b) {
   return std::inner_product(a.signature.begin(), a.signature.end(), b.signature.begin(), 0.0);
 }
 
-std::vector<ExaminedPhotograph> lookAtAll(const fs::path& folder, const std::vector<std::string>& names, const Context& context) {
+std::vector<ExaminedPhotograph> lookAtAll(const fs::path& folder, const std::vector<std::string>& names,
+                                          const Context& context) {
   std::vector<ExaminedPhotograph> all(names.size());
   double largest = kSmall;
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -29,6 +29,6 @@ double alikeness(const ExaminedPhotograph& a, const ExaminedPhotograph& b);
 
 /// Reads them all, with the threads that memory allows for the largest of them. Throws Error{cancelled}.
 std::vector<ExaminedPhotograph> lookAtAll(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                              const Context& context);
+                                          const Context& context);
 
 }  // namespace ibr::app

@@ -222,8 +222,9 @@ std::vector<std::string> namesFor(const PosedModel& model, const std::vector<Exa
   return names;
 }
 
-void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all, const std::vector<PictureFolder::Unread>& unread,
-             const BuildChoices& choices, Findings& findings, const Context& context) {
+void posesOf(const fs::path& folder, const std::vector<ExaminedPhotograph>& all,
+             const std::vector<PictureFolder::Unread>& unread, const BuildChoices& choices, Findings& findings,
+             const Context& context) {
   try {
     const BuildOptions build = buildOptionsOf(choices, folder, context);
     const fs::path file = posesFile(build);

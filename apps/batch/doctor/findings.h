@@ -56,7 +56,8 @@ void examinePhotographs(const std::filesystem::path& folder, const BuildChoices&
                         const Context& context);
 
 /// Masks that a build could not use, and those of no photograph. Throws Error{io} where there is no such folder.
-void examineMasks(const std::filesystem::path& folder, const std::vector<ExaminedPhotograph>& photographs, Findings& findings);
+void examineMasks(const std::filesystem::path& folder, const std::vector<ExaminedPhotograph>& photographs,
+                  Findings& findings);
 
 /// Poses: photographs without one, errors of points, parts that share nothing, steps too large for what is near.
 /// `pictures`: names of those that there are, sorted.

@@ -43,7 +43,8 @@ ImageF drawnInverseDepth(const FrameBuffers& buffers) {
 }
 
 double guessedShare(const FrameBuffers& buffers) {
-  constexpr float kCompleted = 0.5f;  // relative uncertainty: .05 where a backdrop's depth was matched, 1 where completed
+  constexpr float kCompleted =
+      0.5f;  // relative uncertainty: .05 where a backdrop's depth was matched, 1 where completed
   const ImageF& surface = buffers.surface;
   std::size_t guessed = 0;
   for (int y = 0; y < surface.height; ++y)

@@ -26,8 +26,8 @@ DepthScores depthScores(const ImageF& inverseDepth, const ImageF& truth, const D
 /// Inverse depth that a renderer drew, negative where it drew nothing.
 ImageF drawnInverseDepth(const FrameBuffers& buffers);
 
-/// Share of the pixels whose depth was guessed: completed between matches (backdrops say so by their uncertainty), filled
-/// in the view, or empty.
+/// Share of the pixels whose depth was guessed: completed between matches (backdrops say so by their uncertainty),
+/// filled in the view, or empty.
 double guessedShare(const FrameBuffers& buffers);
 
 }  // namespace ibr::app

@@ -59,7 +59,8 @@ ExitCode evaluate(const Options& options, const Context& context) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       check(progress.show({"evaluating", i, views.size()}), ErrorCode::cancelled, "stopped");
       const Image8 picture = truth.picture(views[i]);
-      outcomes.push_back(evaluator.evaluate(views[i], picture, maskOf(views[i].name, picture, options.build.build.masks)));
+      outcomes.push_back(
+          evaluator.evaluate(views[i], picture, maskOf(views[i].name, picture, options.build.build.masks)));
     }
     progress.show({"evaluating", views.size(), views.size()});
   }
@@ -84,7 +85,7 @@ std::vector<std::string> chosenBaselines(std::vector<std::string> names) {
 
 // Options that were given, with their values, but for those that change no score.
 std::vector<std::string> wordsThatCount(const CLI::App& app) {
-  static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views", "--work",  "--output",
+  static const std::set<std::string> kNotThese{"--leave-one-out", "--every", "--views",   "--work",   "--output",
                                                "--json",          "--quiet", "--verbose", "--threads"};
   return givenWords(app, kNotThese);
 }
@@ -100,13 +101,19 @@ const Command kEvalCommand{
         "ibr eval scene --truth held-out --cells 1 --tiers 0 --json -\n"
         "ibr eval --leave-one-out photographs --model colmap/sparse/0 --every 3 -o compared",
     .details =
-        "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene without "
-        "each photograph and renders its view; options of ibr build apply. Cells that do not have the photograph are matched "
-        "once for all views where points are the model's; tracks of our own (--tracks own, and auto where the model has "
-        "few) change with what is left out, so that cells are matched anew. With --refine-poses auto, what is left out takes "
+        "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene "
+        "without "
+        "each photograph and renders its view; options of ibr build apply. Cells that do not have the photograph are "
+        "matched "
+        "once for all views where points are the model's; tracks of our own (--tracks own, and auto where the model "
+        "has "
+        "few) change with what is left out, so that cells are matched anew. With --refine-poses auto, what is left out "
+        "takes "
         "no part in it; --refine-poses off --resect is what it compares with. "
-        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' columns. What a mask of the truth covers (--masks) is left out of all of them. "
-        "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until the "
+        "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' "
+        "columns. What a mask of the truth covers (--masks) is left out of all of them. "
+        "-o writes prediction, truth and four times the difference side by side. ms is the time from planning until "
+        "the "
         "picture is on the host. In JSON, PSNR is null where nothing is covered and where pictures are equal.",
     .afterInterrupt = "What was finished of --leave-one-out is kept: run the same command again.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
@@ -116,8 +123,8 @@ const Command kEvalCommand{
       auto* truth =
           app.add_option("--truth", options->truth, "Held-out photographs with their poses")->type_name("DIR");
       auto* rebuilt = app.add_option("--leave-one-out", options->leaveOneOut.photographs,
-                                         "Build without each of these photographs, and compare with it")
-                              ->type_name("PHOTOS");
+                                     "Build without each of these photographs, and compare with it")
+                          ->type_name("PHOTOS");
       rebuilt->excludes(scene)->excludes(truth);
       app.add_option("--views", options->views, "Only these views, by name")->type_name("NAME...");
       app.add_option("-o,--output", options->output, "Folder for prediction, truth and difference")->type_name("DIR");

@@ -13,8 +13,8 @@
 #include "batch/files/truth.h"
 #include "io/image_file.h"
 #include "render/plan/cell_alignment.h"
-#include "shared/draw/pictures.h"
 #include "shared/cli/settings.h"
+#include "shared/draw/pictures.h"
 #include "shared/report/statistics.h"
 #include "shared/report/table.h"
 
@@ -56,7 +56,8 @@ bool wantsSimpleOnes(const EvaluationOptions& options) {
 }
 
 std::string_view titleOf(const std::string& baseline) {
-  return std::ranges::find(kBaselines, baseline, [](const auto& named) { return std::string_view(named.first); })->second;
+  return std::ranges::find(kBaselines, baseline, [](const auto& named) { return std::string_view(named.first); })
+      ->second;
 }
 
 Scores meanOfBaseline(const std::vector<ViewOutcome>& outcomes, const std::string& name) {

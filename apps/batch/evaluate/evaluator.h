@@ -28,16 +28,14 @@ struct EvaluationOptions {
   std::filesystem::path truthDepth;    // folder of exact depth (truthDepth in truth.h); empty: none
   double depthUnit = 0.01;             // world units a step of its pictures
   double depthBaseline = 0.3;          // DepthTolerance::baseline, world units
-  std::filesystem::path pictures;  // folder for prediction, truth and difference side by side; empty: none
+  std::filesystem::path pictures;      // folder for prediction, truth and difference side by side; empty: none
 };
 
 /// Names in JSON, which are also those of the folders of their pictures; and titles.
-inline constexpr std::array kBaselines{std::pair{"nearest", "nearest photograph"},
-                                       std::pair{"lumigraph", "unstructured lumigraph"},
-                                       std::pair{"crossFade", "cross-fade of one cell"},
-                                       std::pair{"paper", "the paper's morph and order, tier 0"},
-                                       std::pair{"paperOrder", "ours in the paper's order"},
-                               std::pair{"gathered", "reference composer"}};
+inline constexpr std::array kBaselines{
+    std::pair{"nearest", "nearest photograph"},           std::pair{"lumigraph", "unstructured lumigraph"},
+    std::pair{"crossFade", "cross-fade of one cell"},     std::pair{"paper", "the paper's morph and order, tier 0"},
+    std::pair{"paperOrder", "ours in the paper's order"}, std::pair{"gathered", "reference composer"}};
 
 /// What came of a view.
 struct ViewOutcome {

@@ -11,11 +11,11 @@
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
 #include "author/eval/depth_consistency.h"
 #include "author/eval/exposed_picture.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/resize.h"
-#include "author/backdrop/scene_depth.h"
 #include "base/median.h"
 #include "base/parallel.h"
 #include "ibr/panorama.h"
@@ -88,9 +88,7 @@ struct GatheredViews::State {
     std::vector<ConsistentDepth> matched(sources.size());
     std::vector<Image8> colours(sources.size());
     pictures.resize(sources.size());
-    const auto all = [&](auto&& job) {
-      runJobs(sources.size(), threads, job, [](std::size_t) { return true; });
-    };
+    const auto all = [&](auto&& job) { runJobs(sources.size(), threads, job, [](std::size_t) { return true; }); };
     all([&](std::size_t i) {
       const Source& source = sources[i];
       pictures[i] = pictureOf(scene, source);
@@ -101,10 +99,10 @@ struct GatheredViews::State {
       if (opaque.channels == 4) opaque = withoutAlpha(opaque);
       colours[i] = shrunk(opaque, size.x, size.y);
       const double scale = double(size.x) / source.camera.intrinsics.width;
-      matched[i] = {{small, source.face ? depthInScene(scene, source.node, small)
-                                        : depthInScene(scene, source.node, size)},
-                    2 / (source.camera.intrinsics.fx * spacing),
-                    residual * scale};
+      matched[i] = {
+          {small, source.face ? depthInScene(scene, source.node, small) : depthInScene(scene, source.node, size)},
+          2 / (source.camera.intrinsics.fx * spacing),
+          residual * scale};
     });
     const std::vector<DepthEvidence> evidence = depthEvidence(matched, 10, threads);
     std::vector<reference::ComposerPhotograph> result(sources.size());

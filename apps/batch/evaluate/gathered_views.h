@@ -11,8 +11,8 @@
 
 namespace ibr::app {
 
-/// One thread at a time. Panoramas take part as six faces of a cube. Keeps photographs, or their faces, in memory, and 14
-/// bytes a pixel of depth maps of at most 512 × 512 px.
+/// One thread at a time. Panoramas take part as six faces of a cube. Keeps photographs, or their faces, in memory, and
+/// 14 bytes a pixel of depth maps of at most 512 × 512 px.
 class GatheredViews {
  public:
   /// Depth of every photograph, completed, and what photographs confirm of each other's. `threads` 0: all cores. The

@@ -34,9 +34,8 @@ std::vector<std::size_t> chosenViews(const PosedPhotographs& photographs, const 
     check(std::ranges::find(images, name, &PosedImage::name) != images.end(), ErrorCode::invalidInput,
           "{}: has no photograph {} with a pose (--views)", options.photographs, name);
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const bool wanted = options.views.empty()
-                            ? i % std::size_t(options.every) == 0
-                            : std::ranges::find(options.views, images[i].name) != options.views.end();
+    const bool wanted = options.views.empty() ? i % std::size_t(options.every) == 0
+                                              : std::ranges::find(options.views, images[i].name) != options.views.end();
     if (!wanted) continue;
     check(images[i].camera.intrinsics.model == CameraModel::pinhole, ErrorCode::unsupported,
           "{}: is a panorama. Views are rendered as pinhole cameras see them, so panoramas cannot be left out one by "
@@ -67,8 +66,8 @@ std::uint64_t keyOf(const LeaveOneOutOptions& options, const BuildOptions& build
 
 class LeaveOneOut {
  public:
-  LeaveOneOut(const BuildOptions& build, bool resect, const EvaluationOptions& evaluation,
-              std::uint64_t key, fs::path work, const Context& context)
+  LeaveOneOut(const BuildOptions& build, bool resect, const EvaluationOptions& evaluation, std::uint64_t key,
+              fs::path work, const Context& context)
       : build_(build),
         given_(readPoses(build, {})),
         resect_(resect),
@@ -203,8 +202,8 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
     for (std::size_t i = 0; i < views.size(); ++i) {
       const Progress place{"leaving out", i, views.size()};
       check(progress.show(place), ErrorCode::cancelled, "stopped");
-      outcomes.push_back(run.evaluate(views[i], photographs.picture(chosen[i]), photographs.mask(chosen[i]), progress,
-                                      place));
+      outcomes.push_back(
+          run.evaluate(views[i], photographs.picture(chosen[i]), photographs.mask(chosen[i]), progress, place));
       if (const auto& failure = outcomes.back().failure; !failure.empty())
         context.say(LogLevel::warning, "{}: {}", views[i].name, failure);
     }

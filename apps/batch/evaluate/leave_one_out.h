@@ -21,7 +21,8 @@ struct LeaveOneOutOptions {
   std::string photographs, work;
   std::vector<std::string> views;  // names; empty: every `every`th, by name
   int every = 1;
-  bool resect = false;  // its camera is found anew, by the points that it shares with the others (author/poses/resect.h)
+  bool resect =
+      false;  // its camera is found anew, by the points that it shares with the others (author/poses/resect.h)
   std::vector<std::string> words;  // of the command line, that scores depend on: options and their values
 };
 

@@ -21,8 +21,9 @@ struct Scores {
   double guessed;                          // share of pixels whose depth was completed or filled, or that are empty
   double rightDepth, tooFar, tooNear;      // depth_scores.h
   double seam, seamDeltaE, deltaE;         // colour_scores.h
-  double misaligned, misaligned95;         // px between what cells say of one place (render/plan/cell_alignment.h): median, 95 %
-  double uncorrected, uncorrected95;       // likewise, had cells not been aligned
+  double misaligned,
+      misaligned95;  // px between what cells say of one place (render/plan/cell_alignment.h): median, 95 %
+  double uncorrected, uncorrected95;  // likewise, had cells not been aligned
   double milliseconds;
   WorstTile worstTile;  // of one view; meanSquared −1 for means
 };

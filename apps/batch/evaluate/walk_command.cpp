@@ -12,17 +12,17 @@
 
 #include "base/check.h"
 #include "batch/command.h"
-#include "batch/files/poses.h"
 #include "batch/evaluate/union_of_views.h"
 #include "batch/evaluate/walk_figures.h"
+#include "batch/files/poses.h"
 #include "ibr/metrics.h"
 #include "io/image_file.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"
-#include "shared/draw/pictures.h"
 #include "shared/cli/progress.h"
-#include "shared/draw/scene_renderer.h"
 #include "shared/cli/settings.h"
+#include "shared/draw/pictures.h"
+#include "shared/draw/scene_renderer.h"
 
 namespace fs = std::filesystem;
 
@@ -133,8 +133,8 @@ class Walk {
     std::size_t period = 0;  // frames after which plans repeat, 1 where they no longer change; 0: no repetition found
   };
 
-  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one that
-  // is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
+  // Holds the camera still in plans alone. Compares each state with the previous one and, to find a cycle, with one
+  // that is replaced ever more seldom (Brent 1980). Plans made from equal states are equal.
   Rest settle(std::size_t i) const {
     const FrameInput input{eyesOf(i), heldSettings(), kHoldStepSeconds};
     Rest rest{state_};
@@ -244,7 +244,8 @@ const Command kWalkCommand{
         "photograph from a near distance (a tenth of the scene's points are nearer) to infinity. -o writes the two\n"
         "frames of the largest step, and four times their difference. At every tenth frame the camera is also held "
         "still\n"
-        "until nothing fades any more: pictures that differ after that flicker, and the worst place is reported. --pop\n"
+        "until nothing fades any more: pictures that differ after that flicker, and the worst place is reported. "
+        "--pop\n"
         "also tells steps as FLIP, of which the largest at a switch is the pop. --stereo compares what both eyes see "
         "at\n"
         "the same depth.",

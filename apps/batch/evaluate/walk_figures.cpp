@@ -116,8 +116,7 @@ Table summaryTable(const WalkSummary& summary, std::size_t frames) {
   row("median step, FLIP", summary.medianFlipStep, 4);
   row("pop: largest at a switch, FLIP", summary.pop, 4);
   if (summary.flicker >= 0) table.row({"largest flicker of a still camera, levels", std::to_string(summary.flicker)});
-  if (summary.flicker > 0)
-    table.row({"  at frame", fmt::format("{} ({})", summary.flickerFrame, summary.flickerAt)});
+  if (summary.flicker > 0) table.row({"  at frame", fmt::format("{} ({})", summary.flickerFrame, summary.flickerAt)});
   row("least coverage", summary.leastCoverage, 4);
   row("least coverage where photographs see", summary.leastCoverageInside, 4);
   row("mean coverage where photographs see", summary.meanCoverageInside, 4);

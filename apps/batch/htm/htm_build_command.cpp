@@ -25,16 +25,20 @@ std::string percent(double share) {
 }
 
 void printReport(const HtmReport& report, const HtmBuildOptions& options, const Context& context) {
-  context.print("{} faces reduced to {} by shape: off by {:.3g} on average and {:.3g} at most there, {:.3g} and {:.3g} back\n",
-                report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMost, report.restoredMean,
-                report.restoredMost);
+  context.print(
+      "{} faces reduced to {} by shape: off by {:.3g} on average and {:.3g} at most there, {:.3g} and {:.3g} back\n",
+      report.sourceFaces, report.reducedFaces, report.reducedMean, report.reducedMost, report.restoredMean,
+      report.restoredMost);
   for (const HtmReport::Adjustment& line : report.adjustments)
-    context.print("adjusted: cameras see vertices {:.2f} px from where the pictures agree, {:.2f} px before; vertices moved {:.3g}\n",
-                  line.afterPx, line.beforePx, line.moved);
+    context.print(
+        "adjusted: cameras see vertices {:.2f} px from where the pictures agree, {:.2f} px before; vertices moved "
+        "{:.3g}\n",
+        line.afterPx, line.beforePx, line.moved);
   context.print("{} edges of inconsistent faces collapsed: mean D_f {:.3f}, before {:.3f}\n", report.collapses,
                 report.collapsedDifference, report.reducedDifference);
   Table rounds;
-  rounds.row({"round", "vertices", "faces", "D_f as it is", "D_f harmonised", "matched", "divided", "for being hidden"});
+  rounds.row(
+      {"round", "vertices", "faces", "D_f as it is", "D_f harmonised", "matched", "divided", "for being hidden"});
   for (std::size_t r = 0; r < report.rounds.size(); ++r) {
     const HtmReport::Round& round = report.rounds[r];
     rounds.row({fmt::format("{}", r + 1), fmt::format("{}", round.vertices), fmt::format("{}", round.faces),
@@ -85,7 +89,8 @@ const Command kHtmBuildCommand{
     .details =
         "The mesh (PLY, OBJ, glTF) stands in the world of the COLMAP model. It may be rough, and cameras a few pixels\n"
         "off: the mesh is made coarse, what each two photographs show at its vertices is matched, and the differences\n"
-        "are kept, so that photographs can be bent to agree while they are drawn. Where they still differ, the mesh is\n"
+        "are kept, so that photographs can be bent to agree while they are drawn. Where they still differ, the mesh "
+        "is\n"
         "made finer and matched again. Masks are white where the object is.\n"
         "D_f is how differently photographs colour a face, in levels of 255.\n"
         "--stages writes the meshes on the way, coloured by D_f, and a picture of them.",

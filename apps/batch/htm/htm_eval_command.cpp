@@ -8,17 +8,17 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/files/poses.h"
+#include "batch/files/truth.h"
 #include "batch/htm/htm_commands.h"
 #include "batch/htm/htm_judge.h"
 #include "batch/htm/htm_options.h"
-#include "batch/files/poses.h"
-#include "batch/files/truth.h"
 #include "io/image_file.h"
 #include "shared/cli/htm_view_settings.h"
 #include "shared/cli/options.h"
+#include "shared/cli/progress.h"
 #include "shared/draw/pictures.h"
 #include "shared/report/plot.h"
-#include "shared/cli/progress.h"
 #include "shared/report/table.h"
 
 namespace fs = std::filesystem;

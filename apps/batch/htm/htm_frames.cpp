@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/stopwatch.h"
 #include "batch/files/file_hash.h"
-#include "batch/htm/htm_report.h"
 #include "batch/files/poses.h"
+#include "batch/htm/htm_report.h"
 #include "ibr/asset.h"
 #include "ibr/error.h"
 

@@ -9,8 +9,7 @@ namespace ibr::app {
 namespace {
 
 void declareHtmOptions(CLI::App& app, HtmOptions& o) {
-  addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000,
-                        "The mesh is reduced to so many faces; 0: not by shape");
+  addCount<std::size_t>(app, "--faces", o.faces, 0, 100000000, "The mesh is reduced to so many faces; 0: not by shape");
   addInt(app, "--adjust", o.adjustRounds, 0, 16,
          "Rounds in which cameras and shape settle on what pictures agree on; 0: as they are given, the paper's way");
   app.add_flag_callback(
@@ -26,8 +25,9 @@ void declareHtmOptions(CLI::App& app, HtmOptions& o) {
             "Levels per px: directions in which colours change less are not matched");
   addDouble(app, "--smoothness", o.smoothness, 0, 1e6,
             "1/px^2: how alike neighbours' complements are; 0: as matched, the paper's way");
-  addDouble(app, "--complement-px", o.complementPx, 0, 1e6,
-            "px that complements are expected to be long, unless matches say more; 0: anything. None with --smoothness 0");
+  addDouble(
+      app, "--complement-px", o.complementPx, 0, 1e6,
+      "px that complements are expected to be long, unless matches say more; 0: anything. None with --smoothness 0");
   addDouble(app, "--inconsistent-size", o.inconsistentSize, 0, 1e6,
             "Inconsistent faces are merged until they are so many mean faces large; 0: not");
   addDouble(app, "--inconsistent-difference", o.inconsistentDifference, 0, 255,

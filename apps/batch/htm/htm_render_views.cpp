@@ -11,11 +11,11 @@
 #include "batch/files/poses.h"
 #include "ibr/error.h"
 #include "shared/camera/auto_path.h"
-#include "shared/draw/htm_player.h"
 #include "shared/cli/htm_view_settings.h"
+#include "shared/cli/progress.h"
+#include "shared/draw/htm_player.h"
 #include "shared/draw/picture_record.h"
 #include "shared/draw/pictures.h"
-#include "shared/cli/progress.h"
 #include "shared/report/statistics.h"
 
 namespace fs = std::filesystem;

@@ -13,6 +13,7 @@ glm::u8vec3 differenceColour(double difference, double most);
 
 /// Below `folder`: a PLY with face colours of each stage, and a PNG of them side by side as `camera` sees them, shaded.
 /// Red is the level that 1 % of the original's faces exceed.
-void writeStages(const std::filesystem::path& folder, const std::vector<HtmResult::Stage>& stages, const Camera& camera);
+void writeStages(const std::filesystem::path& folder, const std::vector<HtmResult::Stage>& stages,
+                 const Camera& camera);
 
 }  // namespace ibr::app

@@ -10,11 +10,11 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "batch/inspect/advice_report.h"
 #include "batch/command.h"
+#include "batch/inspect/advice_report.h"
 #include "batch/inspect/model_info.h"
-#include "batch/pictures/picture_info.h"
 #include "batch/inspect/unused_photographs.h"
+#include "batch/pictures/picture_info.h"
 #include "ibr/asset.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
@@ -287,7 +287,8 @@ const Command kInfoCommand{
     .afterInterrupt = "",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
-      app.add_option("SCENE", options->scene, "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
+      app.add_option("SCENE", options->scene,
+                     "Folder of a scene, a model or a sequence, its .gltf or sequence.json, or a picture")
           ->required();
       app.add_flag("--explain", options->explain, "Also say which stages of the renderer this scene needs, and why");
       app.add_flag("--advice", options->advice,

@@ -7,8 +7,8 @@
 
 #include "io/image_file.h"
 #include "shared/camera/camera_json.h"
-#include "shared/draw/picture_record.h"
 #include "shared/cli/setting_words.h"
+#include "shared/draw/picture_record.h"
 
 namespace ibr::app {
 

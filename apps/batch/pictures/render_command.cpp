@@ -9,19 +9,19 @@
 
 #include "base/check.h"
 #include "batch/command.h"
-#include "batch/htm/htm_render_views.h"
 #include "batch/files/poses.h"
+#include "batch/htm/htm_render_views.h"
 #include "ibr/error.h"
 #include "io/exr.h"
 #include "shared/camera/auto_path.h"
+#include "shared/camera/up.h"
 #include "shared/cli/options.h"
-#include "shared/draw/picture_record.h"
-#include "shared/draw/pictures.h"
 #include "shared/cli/progress.h"
-#include "shared/draw/scene_renderer.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
-#include "shared/camera/up.h"
+#include "shared/draw/picture_record.h"
+#include "shared/draw/pictures.h"
+#include "shared/draw/scene_renderer.h"
 
 namespace fs = std::filesystem;
 

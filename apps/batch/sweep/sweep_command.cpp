@@ -7,9 +7,9 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "batch/build/optimise_options.h"
 #include "batch/command.h"
 #include "batch/command_text.h"
-#include "batch/build/optimise_options.h"
 #include "batch/files/kept_lines.h"
 #include "batch/sweep/sweep_measure.h"
 #include "shared/cli/options.h"

@@ -7,8 +7,8 @@
 
 #include "base/check.h"
 #include "batch/build/cell_figures.h"
-#include "batch/files/file_hash.h"
 #include "batch/build/optimise_options.h"
+#include "batch/files/file_hash.h"
 #include "shared/cli/settings.h"
 
 namespace ibr::app {

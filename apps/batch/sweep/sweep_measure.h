@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batch/evaluate/evaluator.h"
-#include "batch/sweep/sweep_report.h"
 #include "batch/files/truth.h"
+#include "batch/sweep/sweep_report.h"
 #include "ibr/optimise_scene.h"
 #include "shared/cli/context.h"
 

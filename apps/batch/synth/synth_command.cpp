@@ -10,8 +10,8 @@
 #include "base/check.h"
 #include "base/file.h"
 #include "base/random.h"
-#include "batch/files/colmap_views.h"
 #include "batch/command.h"
+#include "batch/files/colmap_views.h"
 #include "batch/synth/synth_court.h"
 #include "batch/synth/synth_grid.h"
 #include "batch/synth/synth_moving.h"
@@ -230,8 +230,7 @@ const Command kSynthCommand{
       for (CLI::Option* option :
            {addDouble(app, "--pixels", options->noise.pixels, 0, 1000,
                       "noise: rotations move the picture's middle by so much, px, root mean square"),
-            addDouble(app, "--shift", options->noise.shift, 0, 1e9,
-                      "noise: positions, world units, root mean square"),
+            addDouble(app, "--shift", options->noise.shift, 0, 1e9, "noise: positions, world units, root mean square"),
             addDouble(app, "--focal", options->noise.focalPercent, -50, 100, "noise: all focal lengths, percent more"),
             addDouble(app, "--track-pixels", options->noise.trackPixels, 0, 1000,
                       "noise: deviation of observations along each axis, px"),

@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/parallel.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "batch/files/colmap_views.h"
 #include "ibr/author.h"
 #include "io/image_file.h"

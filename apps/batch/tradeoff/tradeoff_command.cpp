@@ -14,17 +14,17 @@
 #include "batch/files/file_hash.h"
 #include "batch/files/poses.h"
 #include "batch/files/sha256.h"
+#include "batch/files/truth.h"
 #include "batch/tradeoff/tradeoff_html.h"
 #include "batch/tradeoff/tradeoff_measure.h"
-#include "batch/files/truth.h"
 #include "ibr/metrics.h"
 #include "image/ktx2.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"
-#include "shared/draw/pictures.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
+#include "shared/draw/pictures.h"
 
 namespace fs = std::filesystem;
 

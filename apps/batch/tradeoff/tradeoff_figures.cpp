@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shared/cli/settings.h"
 #include "shared/report/bars.h"
 #include "shared/report/plot.h"
-#include "shared/cli/settings.h"
 #include "shared/report/statistics.h"
 
 namespace ibr::app {

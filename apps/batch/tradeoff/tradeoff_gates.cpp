@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "shared/report/rank.h"
 #include "shared/cli/settings.h"
+#include "shared/report/rank.h"
 
 namespace ibr::app {
 namespace {

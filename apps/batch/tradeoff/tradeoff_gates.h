@@ -22,8 +22,8 @@ struct TradeoffGate {
 
 /// No preset is beaten in time and error by a setting of the sweep; `accurate` is nearly `reference`, `fast` not
 /// much worse than `balanced`; presets rise in time, unless they draw the same, and fall in error; and the same with
-/// counts in the place of times. Precondition: the first four rows are the presets. Rows that failed, of two views, or of
-/// another build take no part.
+/// counts in the place of times. Precondition: the first four rows are the presets. Rows that failed, of two views, or
+/// of another build take no part.
 std::vector<TradeoffGate> presetGates(const std::vector<TradeoffRow>& rows);
 
 /// Whether `other` costs no more in draws, triangles, pixels that are drawn and bytes, each by itself, and in one of

@@ -48,7 +48,8 @@ TradeoffStage::PreparedScene& TradeoffStage::placeOf(const TradeoffWay& way) {
   const std::string key = placeKey(way);
   const auto found = places_.find(key);
   if (found != places_.end()) return found->second;
-  return places_.emplace(key, PreparedScene{GpuScene(device_, scene(way), gpuOptionsOf(way, context_)), {}}).first->second;
+  return places_.emplace(key, PreparedScene{GpuScene(device_, scene(way), gpuOptionsOf(way, context_)), {}})
+      .first->second;
 }
 
 Renderer& TradeoffStage::rendererOf(const TradeoffWay& way) {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "batch/evaluate/eye_agreement.h"
 #include "batch/bench/frame_bench.h"
+#include "batch/evaluate/eye_agreement.h"
 #include "batch/tradeoff/tradeoff_settings.h"
 #include "gpu/draw/scope.h"
 #include "ibr/offscreen.h"
@@ -76,7 +76,7 @@ class TradeoffStage {
   const Context& context_;
   std::vector<SceneBounds> bounds_;
   Device device_;
-  std::map<std::string, PreparedScene> places_;                 // by build, format and filter
+  std::map<std::string, PreparedScene> places_;         // by build, format and filter
   std::map<std::array<int, 3>, Offscreen> offscreens_;  // by width, height, eye
   ScopeTimer timer_;
 };

@@ -129,8 +129,8 @@ class Drawing {
       names += (names.empty() ? "" : ", ") + scene_.nodes[member].name;
     }
     const std::string colour = colourOf(share(cell.quality.score));
-    put("<g stroke=\"{0}\" fill=\"{0}\" stroke-linejoin=\"round\"><title>{1}{2}</title>", colour,
-        escapedXml(names), std::isnan(cell.quality.score) ? "" : fmt::format(", score {:.3f}", cell.quality.score));
+    put("<g stroke=\"{0}\" fill=\"{0}\" stroke-linejoin=\"round\"><title>{1}{2}</title>", colour, escapedXml(names),
+        std::isnan(cell.quality.score) ? "" : fmt::format(", score {:.3f}", cell.quality.score));
     if (corners.size() == 2) {
       put("<polyline points=\"{}\" stroke-width=\"4\" stroke-opacity=\".55\" fill=\"none\"/>", points(corners));
     } else if (corners.size() == 3) {

@@ -5,9 +5,9 @@
 
 #include "base/file.h"
 #include "shared/cli/htm_view_settings.h"
+#include "shared/cli/settings.h"
 #include "shared/draw/picture_record.h"
 #include "shared/draw/pictures.h"
-#include "shared/cli/settings.h"
 
 namespace fs = std::filesystem;
 

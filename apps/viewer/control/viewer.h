@@ -32,8 +32,8 @@ struct Opening {
 
 struct Viewer {
   std::vector<std::unique_ptr<OpenItem>> places;  // in the order in which they were opened
-  std::size_t current = 0;                     // of places, where there is one
-  std::size_t shownTab = 0;                    // of places, in the panel
+  std::size_t current = 0;                        // of places, where there is one
+  std::size_t shownTab = 0;                       // of places, in the panel
   std::vector<Opening> opening;
   std::vector<std::unique_ptr<Job>> jobs;
   std::deque<LogLine> log;

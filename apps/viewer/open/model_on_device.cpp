@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "ibr/offscreen.h"
+#include "shared/camera/mesh_pick.h"
 #include "shared/draw/graph_lines.h"
 #include "shared/draw/htm_renderer.h"
-#include "shared/camera/mesh_pick.h"
 #include "shared/draw/pictures.h"
-#include "viewer/open/place_on_device.h"
 #include "viewer/open/open_item_kinds.h"
+#include "viewer/open/place_on_device.h"
 
 namespace ibr::app {
 namespace {

@@ -9,10 +9,10 @@
 #include "base/check.h"
 #include "ibr/asset.h"
 #include "io/image_file.h"
-#include "shared/cli/folders.h"
-#include "shared/draw/htm_renderer.h"
 #include "shared/camera/path_recorder.h"
 #include "shared/camera/up.h"
+#include "shared/cli/folders.h"
+#include "shared/draw/htm_renderer.h"
 
 namespace fs = std::filesystem;
 

@@ -13,8 +13,8 @@
 #include "ibr/htm_sequence.h"
 #include "ibr/renderer.h"
 #include "shared/camera/camera_path.h"
-#include "shared/report/graph_view.h"
 #include "shared/camera/navigation.h"
+#include "shared/report/graph_view.h"
 #include "viewer/open/effects.h"
 #include "viewer/open/trust.h"
 

@@ -7,8 +7,8 @@
 #include "shared/draw/graph_lines.h"
 #include "shared/draw/scene_renderer.h"
 #include "shared/report/statistics.h"
-#include "viewer/open/place_on_device.h"
 #include "viewer/open/open_item_kinds.h"
+#include "viewer/open/place_on_device.h"
 #include "viewer/open/trust_probe.h"
 
 namespace ibr::app {

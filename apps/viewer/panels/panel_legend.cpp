@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "shared/overlay.h"
 #include "shared/cli/settings.h"
+#include "shared/overlay.h"
 #include "viewer/panels/panels.h"
 
 namespace ibr::app {

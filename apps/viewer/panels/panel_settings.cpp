@@ -74,11 +74,12 @@ bool sceneSettings(RenderSettings& s) {
                     std::array{Colour{"as photographed", ColourMapping::off}, Colour{"mapped", ColourMapping::ours}},
                     "mapped: cells take on the colours of the one that is best, so that exposures do not show");
   using Light = std::pair<const char*, Exposure>;
-  changed |= choose("exposure", s.exposure,
-                    std::array{Light{"as photographed", Exposure::off}, Light{"the scene's mean", Exposure::scene},
-                               Light{"adapted", Exposure::adapted}},
-                    "Photographs whose exposure was measured are shown with one: that of all of them in the mean, or of "
-                    "those that are nearest");
+  changed |=
+      choose("exposure", s.exposure,
+             std::array{Light{"as photographed", Exposure::off}, Light{"the scene's mean", Exposure::scene},
+                        Light{"adapted", Exposure::adapted}},
+             "Photographs whose exposure was measured are shown with one: that of all of them in the mean, or of "
+             "those that are nearest");
   using Shape = std::pair<const char*, Morph>;
   changed |= choose("morphing", s.morph, std::array{Shape{"ours", Morph::ours}, Shape{"the paper's", Morph::paper}},
                     "ours: right for static points everywhere; the paper's: unclamped weights, no depth");

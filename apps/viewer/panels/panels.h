@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "viewer/control/memory_budget.h"
-#include "viewer/open/place_on_device.h"
 #include "viewer/control/viewer.h"
+#include "viewer/open/place_on_device.h"
 #include "window/window.h"
 
 namespace ibr::app {

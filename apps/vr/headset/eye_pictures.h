@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both eyes' pictures as files: NAME_l.png and NAME_r.png, with view and settings inside (shared/draw/picture_record.h), so
-// that `ibr render SCENE --poses NAME_l.png --stereo` draws them again.
+// Both eyes' pictures as files: NAME_l.png and NAME_r.png, with view and settings inside
+// (shared/draw/picture_record.h), so that `ibr render SCENE --poses NAME_l.png --stereo` draws them again.
 #pragma once
 
 #include <array>

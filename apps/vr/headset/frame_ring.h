@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "gpu/transfer/frame_slot.h"
 #include "gpu/draw/scope.h"
+#include "gpu/transfer/frame_slot.h"
 #include "ibr/device.h"
 
 namespace ibr::app {

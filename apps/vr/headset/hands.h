@@ -5,8 +5,8 @@
 #include <array>
 #include <string>
 
-#include "vr/walk/locomotion.h"
 #include "vr/headset/xr_session.h"
+#include "vr/walk/locomotion.h"
 
 namespace ibr::app {
 

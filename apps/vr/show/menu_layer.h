@@ -8,9 +8,9 @@
 
 #include "vr/headset/eye_images.h"
 #include "vr/headset/frame_ring.h"
-#include "vr/walk/locomotion.h"
 #include "vr/menu/menu_drawer.h"
 #include "vr/menu/menu_panel.h"
+#include "vr/walk/locomotion.h"
 
 namespace ibr::app {
 

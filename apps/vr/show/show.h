@@ -10,8 +10,8 @@
 #include "vr/headset/eye_capture.h"
 #include "vr/headset/eye_images.h"
 #include "vr/headset/hands.h"
-#include "vr/show/menu_layer.h"
 #include "vr/menu/mirror.h"
+#include "vr/show/menu_layer.h"
 #include "vr/show/shapes_pass.h"
 #include "vr/show/visit.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Show: what the eyes see, the runtime is handed, and a window mirrors.
 #include "base/stopwatch.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/rendering.h"
+#include "gpu/transfer/barrier.h"
 #include "ibr/error.h"
 #include "vr/show/show.h"
 

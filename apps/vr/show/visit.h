@@ -10,10 +10,10 @@
 
 #include "shared/cli/context.h"
 #include "vr/headset/frame_log.h"
-#include "vr/walk/governor.h"
-#include "vr/walk/kept_scales.h"
 #include "vr/headset/xr_session.h"
 #include "vr/show/stereo_place.h"
+#include "vr/walk/governor.h"
+#include "vr/walk/kept_scales.h"
 #include "window/window.h"
 
 namespace ibr::app {

@@ -49,8 +49,8 @@ struct Advice {
 struct NextView {
   Camera camera;
   std::vector<std::uint32_t> beside;  // photographs that say where, and how it looks
-  double gain;                        // what it adds to the walk's estimate at one stand (scene/advice/walk_estimate.h), > 0
-  std::string where;                  // "halfway between A and B, looking as they do"
+  double gain;        // what it adds to the walk's estimate at one stand (scene/advice/walk_estimate.h), > 0
+  std::string where;  // "halfway between A and B, looking as they do"
 };
 
 struct CaptureAdvice {

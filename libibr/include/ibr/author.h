@@ -23,8 +23,8 @@ namespace ibr {
 /// Poses and sparse points from a pose estimator, in libibr's conventions (conventions.h). Sizes are those of the
 /// model.
 struct PosedImage {
-  std::string name;  // as the model has it, with '/' for folders
-  Camera camera;     // of the undistorted photograph; the tracks' pixels are in it too
+  std::string name;                         // as the model has it, with '/' for folders
+  Camera camera;                            // of the undistorted photograph; the tracks' pixels are in it too
   std::optional<Lens> lens = std::nullopt;  // that took the photograph as it is in its file, where that is distorted
 };
 struct TrackObservation {
@@ -67,10 +67,10 @@ PosedModel readPanoramas(const std::filesystem::path& file);
 /// Reads transforms.json of nerfstudio or instant-ngp: frames with file_path and transform_matrix (camera to world, x
 /// right, y up, looking along −z), and w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y, camera_model (OPENCV,
 /// the default; OPENCV_FISHEYE, PINHOLE, EQUIRECTANGULAR), k1 … k4, p1, p2 in the frame or for all. Names are those of
-/// the pictures below `photographs`: file_path is taken from there or from the file's folder, with or without extension,
-/// and w and h may be missing; with no folder given, they are file_path itself. Cameras that distort become pinholes, as
-/// in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with the JSON pointer of the fault; a matrix
-/// that scales or shears by more than 1e-3 is one, and a picture that is not there.
+/// the pictures below `photographs`: file_path is taken from there or from the file's folder, with or without
+/// extension, and w and h may be missing; with no folder given, they are file_path itself. Cameras that distort become
+/// pinholes, as in readColmapModel. There are no tracks. Throws Error (io, invalidInput) with the JSON pointer of the
+/// fault; a matrix that scales or shears by more than 1e-3 is one, and a picture that is not there.
 PosedModel readTransforms(const std::filesystem::path& file, const std::filesystem::path& photographs = {},
                           Border border = Border::crop);
 
@@ -83,14 +83,15 @@ enum class Orientation : std::uint8_t {
 
 /// Poses by the program COLMAP (3.8 or later), which does its work on the processor.
 struct PoseOptions {
-  std::filesystem::path photographs;  // folder; pictures below it are taken, too
-  std::filesystem::path folder;       // for what COLMAP makes; made if missing, and kept; holds nothing else
-  std::string program = "colmap";     // looked for along PATH, unless it names a folder
-  int threads = 0;                    // 0 = all cores
-  std::filesystem::path without;      // pictures below this folder are not meant; may be empty
+  std::filesystem::path photographs;      // folder; pictures below it are taken, too
+  std::filesystem::path folder;           // for what COLMAP makes; made if missing, and kept; holds nothing else
+  std::string program = "colmap";         // looked for along PATH, unless it names a folder
+  int threads = 0;                        // 0 = all cores
+  std::filesystem::path without;          // pictures below this folder are not meant; may be empty
   std::vector<std::string> exclude = {};  // names that are not meant either
   Orientation orientation = Orientation::automatic;  // turned upright, as EXIF says, unless it is `stored`
-  std::filesystem::path masks = {};   // folder of masks (author/photographs/masks.h): no features are looked for under them
+  std::filesystem::path masks =
+      {};  // folder of masks (author/photographs/masks.h): no features are looked for under them
 };
 struct PoseReport {
   std::filesystem::path model;  // folder of the model, the largest where there are several
@@ -104,7 +105,8 @@ struct PoseReport {
 /// that is finished is not done again while the photographs stay as they are; one that is cancelled ends the program.
 /// Throws Error: io where the program is missing or fails (with its last lines), invalidInput where it finds no poses
 /// or photographs cannot be read (all of them are named, before the program is run), cancelled.
-PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
+PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {},
+                         const LogCallback& log = {});
 
 /// Where points come from that two or more photographs see.
 enum class TrackSource : std::uint8_t {
@@ -160,17 +162,19 @@ struct BuildOptions {
   std::filesystem::path panoramas;    // file that readPanoramas reads; where none is given, estimatePoses is asked
   std::string colmap = "colmap";      // the program that it runs
   std::filesystem::path output;       // scene folder; made if missing
-  std::vector<std::string> exclude;   // image names left out (held out for evaluation); files the model lacks may be there
+  std::vector<std::string>
+      exclude;  // image names left out (held out for evaluation); files the model lacks may be there
   Orientation orientation = Orientation::automatic;
   TrackSource tracks = TrackSource::automatic;
-  std::filesystem::path masks;  // folder of masks (author/photographs/masks.h): what is 0 there is neither matched nor shown
-  bool matchExposures = true;   // photographs get gains (Node::gain), measured by what they show of the same places
-  bool fitVignetting = false;   // what lenses take from corners is measured as well, and stored photographs are without
-  bool refinePoses = false;     // mended where points confirm it (ibr/pose_refinement.h); ".refined" has the model then
-  bool removeMovers = false;    // who moved is masked where another photograph shows the place without him
+  std::filesystem::path
+      masks;  // folder of masks (author/photographs/masks.h): what is 0 there is neither matched nor shown
+  bool matchExposures = true;  // photographs get gains (Node::gain), measured by what they show of the same places
+  bool fitVignetting = false;  // what lenses take from corners is measured as well, and stored photographs are without
+  bool refinePoses = false;    // mended where points confirm it (ibr/pose_refinement.h); ".refined" has the model then
+  bool removeMovers = false;   // who moved is masked where another photograph shows the place without him
   bool keepBorder = false;  // undistorted photographs keep all that was photographed (Border::keep); meshes end there
-  int dimension = 0;                  // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
-  int maxSize = 0;                    // longest side of stored photographs in px; 0 = as they are
+  int dimension = 0;        // 0 = what the rig spans; 1, 2, 3: lines, triangles, tetrahedra at most
+  int maxSize = 0;          // longest side of stored photographs in px; 0 = as they are
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
@@ -179,12 +183,12 @@ struct BuildOptions {
                                         // whose results they never change; empty: in the output, until it is finished
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
   TriangleFilter triangleFilter = TriangleFilter::consistency;
-  SceneFinisher finish;     // none: nothing
+  SceneFinisher finish;                                   // none: nothing
   std::function<bool(const BuildPrediction&)> predicted;  // told before work begins, again once poses are estimated;
                                                           // false: the build ends there and nothing is written
-  int threads = 0;          // 0 = all cores
-  double memory = 0;        // bytes that the work may take; 0 = half of what this process may have (memoryBudget)
-  std::uint64_t seed = 1;   // same input, options and seed: same bytes
+  int threads = 0;                                        // 0 = all cores
+  double memory = 0;       // bytes that the work may take; 0 = half of what this process may have (memoryBudget)
+  std::uint64_t seed = 1;  // same input, options and seed: same bytes
 };
 
 struct BuildReport {
@@ -193,7 +197,7 @@ struct BuildReport {
     std::size_t points = 0, triangles = 0, tier0 = 0;
     CellQuality quality;
     double seconds = 0, processorSeconds = 0;
-    bool resumed = false;              // taken from an interrupted build
+    bool resumed = false;                      // taken from an interrupted build
     MatchMethod matcher = MatchMethod::sweep;  // that was chosen
     double homogeneous = 0;  // share of the triangles of tier 0 whose corners share a plane; NaN without planes
   };
@@ -214,9 +218,9 @@ struct BuildReport {
     double moved = 0;  // and that was found to have moved
   };
   struct ExposureSummary {
-    std::size_t measured = 0;  // photographs that show places of others, with which they were compared
-    std::size_t parts = 0;     // of these, that nothing joins to each other: each is as bright as it is in the mean
-    bool alike = false;        // so nearly that no gain is kept
+    std::size_t measured = 0;      // photographs that show places of others, with which they were compared
+    std::size_t parts = 0;         // of these, that nothing joins to each other: each is as bright as it is in the mean
+    bool alike = false;            // so nearly that no gain is kept
     std::string text, vignetting;  // for people; empty where it was not asked for
   };
   std::filesystem::path poses;  // file or folder that they were read from

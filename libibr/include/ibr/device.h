@@ -125,8 +125,8 @@ class Device {
   bool drawsViewsTogether() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
-  /// Whether a call has found the device lost, or its owner has said so by `lose` (who submits what libibr recorded finds
-  /// out first). From then on whatever is made from it, or given to it, throws Error{deviceLost}. Any thread.
+  /// Whether a call has found the device lost, or its owner has said so by `lose` (who submits what libibr recorded
+  /// finds out first). From then on whatever is made from it, or given to it, throws Error{deviceLost}. Any thread.
   bool isLost() const noexcept;
   void lose() const noexcept;
 

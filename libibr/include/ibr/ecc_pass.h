@@ -36,9 +36,9 @@ struct EccStar {
 class EccPass {
  public:
   /// Uploads mesh, pictures and positions: submits to the device's queue and waits. Of the options, instances,
-  /// definition, varianceFloor, rigidity, prune and scaledInstances count. The alignment may go afterwards. Throws Error:
-  /// invalidInput as align(); unsupported where the device does not count in 64 bits (Device::counts64Bits) or the
-  /// pictures exceed its largest storage buffer; outOfMemory, deviceLost.
+  /// definition, varianceFloor, rigidity, prune and scaledInstances count. The alignment may go afterwards. Throws
+  /// Error: invalidInput as align(); unsupported where the device does not count in 64 bits (Device::counts64Bits) or
+  /// the pictures exceed its largest storage buffer; outOfMemory, deviceLost.
   EccPass(const Device& device, const Alignment& alignment, const AlignmentOptions& options = {});
   EccPass(EccPass&&) noexcept;
   EccPass& operator=(EccPass&&) noexcept;

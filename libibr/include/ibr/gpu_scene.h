@@ -59,8 +59,8 @@ enum class TextureFilter : std::uint8_t {
 struct GpuSceneOptions {
   TextureSource source;           // empty: the nodes' textureFile, of which no more is read than is needed
   std::uint64_t budgetBytes = 0;  // never exceeded by the sum of Memory; 0: no limit
-  /// Host memory beside the budget that uploads go through, 1 MiB at least: while a scene is made, and while it streams,
-  /// where it bounds what a frame uploads.
+  /// Host memory beside the budget that uploads go through, 1 MiB at least: while a scene is made, and while it
+  /// streams, where it bounds what a frame uploads.
   std::uint64_t stagingBytes = std::uint64_t(32) << 20;
   BlockTextures blocks = BlockTextures::automatic;
   TextureFilter filter = TextureFilter::automatic;

@@ -19,10 +19,10 @@ namespace ibr {
 /// How a mesh becomes a harmonised model. Differences are D_f of [H] eq. 4, levels.
 struct HtmOptions {
   // Alg. 1
-  std::size_t faces = 5000;      // shape is reduced to so many, which sets the size of the mean face; 0: not
-  double inconsistentSize = 4;   // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
+  std::size_t faces = 5000;     // shape is reduced to so many, which sets the size of the mean face; 0: not
+  double inconsistentSize = 4;  // times the mean face: inconsistent faces are collapsed until they are so large; 0: not
   double inconsistentDifference = 12;  // of faces that are inconsistent
-  double inconsistentShare = 0.1;     // of the faces: at most so many collapses
+  double inconsistentShare = 0.1;      // of the faces: at most so many collapses
   // Beyond [H]: cameras first settle on what they agree on (author/htm/htm_consensus.h, author/htm/htm_adjust.h), …
   int adjustRounds = 4;           // 0: cameras and shape are taken as they are, as [H] does
   double adjustSmoothness = 100;  // 1 / px², of offsets between neighbours
@@ -38,11 +38,11 @@ struct HtmOptions {
   double outlierPx = 2;
   double alpha = 0.3, gamma1 = 10;  // of eqs 2 and 3
   // Algs 2, 6 and 7
-  int rounds = 2;               // of matching, each after the first on a refined mesh; at least 1
-  double meanDifference = 1;    // at which no further round is needed
-  double faceDifference = 4;    // a face beyond it is divided
-  bool selfOccluded = true;     // and so are those that are partly hidden
-  double leastFacePx = 250;     // px² in its best camera: smaller faces are not divided
+  int rounds = 2;                 // of matching, each after the first on a refined mesh; at least 1
+  double meanDifference = 1;      // at which no further round is needed
+  double faceDifference = 4;      // a face beyond it is divided
+  bool selfOccluded = true;       // and so are those that are partly hidden
+  double leastFacePx = 250;       // px² in its best camera: smaller faces are not divided
   std::size_t mostFaces = 20000;  // no further round begins beyond it
   // Cameras that do not agree on a vertex have no part in it (author/htm/htm_reject.h).
   bool reject = true;
@@ -57,8 +57,8 @@ struct HtmOptions {
 /// Whether a model's `settings` tell that its photographs came with masks; true where they say nothing.
 bool htmHasMasks(const std::string& settings);
 
-/// The options that a model's `settings` tell; those it does not tell are the defaults. Throws Error{invalidInput} where
-/// one has another type or is no such number.
+/// The options that a model's `settings` tell; those it does not tell are the defaults. Throws Error{invalidInput}
+/// where one has another type or is no such number.
 HtmOptions htmOptionsOf(const std::string& settings);
 
 /// A camera with what it took.
@@ -87,9 +87,9 @@ struct HtmReport {
   std::vector<Stage> stages;
   std::vector<Adjustment> adjustments;
   std::size_t sourceFaces = 0, reducedFaces = 0;
-  double reducedMean = 0, reducedMost = 0;  // distance from the source to the reduced mesh, world units
-  double restoredMean = 0, restoredMost = 0;  // and back
-  std::size_t collapses = 0;  // of inconsistent faces
+  double reducedMean = 0, reducedMost = 0;                // distance from the source to the reduced mesh, world units
+  double restoredMean = 0, restoredMost = 0;              // and back
+  std::size_t collapses = 0;                              // of inconsistent faces
   double reducedDifference = 0, collapsedDifference = 0;  // mean D_f before and after these, without complements
   std::vector<Round> rounds;
   double camerasPerVertex = 0;  // that see it
@@ -118,18 +118,18 @@ HtmResult harmonise(const TriangleMesh& mesh, std::span<const HtmPhotograph> pho
                     const ProgressCallback& progress = {});
 
 struct HtmBuildOptions {
-  std::filesystem::path mesh;    // PLY, OBJ or glTF, in the model's world
-  std::filesystem::path model;   // COLMAP model folder
-  std::filesystem::path images;  // folder that its image names are relative to
-  std::filesystem::path masks;   // NAME.png or NAME without its extension and .png, for each; or empty
-  std::filesystem::path output;  // model folder; made if missing
+  std::filesystem::path mesh;        // PLY, OBJ or glTF, in the model's world
+  std::filesystem::path model;       // COLMAP model folder
+  std::filesystem::path images;      // folder that its image names are relative to
+  std::filesystem::path masks;       // NAME.png or NAME without its extension and .png, for each; or empty
+  std::filesystem::path output;      // model folder; made if missing
   std::vector<std::string> exclude;  // image names left out
   int maxSize = 0;                   // longest side of stored pictures in px; 0 = as they are
   HtmOptions optimise;
 };
 
-/// Reads the input. Cameras that distort are those of the undistorted pictures. Masks are as large as the files of their
-/// photographs. Throws Error (io, invalidInput) that names the file.
+/// Reads the input. Cameras that distort are those of the undistorted pictures. Masks are as large as the files of
+/// their photographs. Throws Error (io, invalidInput) that names the file.
 std::pair<TriangleMesh, std::vector<HtmPhotograph>> readHtmInput(const HtmBuildOptions& options,
                                                                  const LogCallback& log = {});
 

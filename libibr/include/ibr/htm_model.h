@@ -35,9 +35,9 @@ struct TriangleMesh {
 };
 
 struct HtmCamera {
-  std::string name;                  // unique in a model; the picture's file name
-  Camera camera;                     // a pinhole; intrinsics are those of the undistorted picture at its stored size
-  std::filesystem::path imageFile;   // JPEG or PNG, relative to the model's folder
+  std::string name;                 // unique in a model; the picture's file name
+  Camera camera;                    // a pinhole; intrinsics are those of the undistorted picture at its stored size
+  std::filesystem::path imageFile;  // JPEG or PNG, relative to the model's folder
   /// Grey PNG of the picture's size, relative to the model's folder: how much each pixel may be trusted to show the
   /// mesh, 0 (background) to 255, least at edges at which the mesh hides itself. Empty: all of it.
   std::filesystem::path visibilityFile;
@@ -52,9 +52,9 @@ struct HtmSurface {
 };
 
 struct HtmModel {
-  std::filesystem::path folder;    // what relative paths of the cameras start from; empty for a model made in code
-  std::vector<HtmCamera> cameras;  // n_c, 1 to kLargestHtmCameraCount
-  HtmSurface surface;              // the optimised mesh ([H] §3.1), n_v vertices
+  std::filesystem::path folder;        // what relative paths of the cameras start from; empty for a model made in code
+  std::vector<HtmCamera> cameras;      // n_c, 1 to kLargestHtmCameraCount
+  HtmSurface surface;                  // the optimised mesh ([H] §3.1), n_v vertices
   std::vector<glm::vec2> complements;  // px of picture i, at [complementIndex(i, j, v)]; 0 where i = j; empty: all 0
   std::optional<HtmSurface> source;    // the mesh that was optimised, for methods to compare with
   std::string settings;                // the effective settings it was made with, as JSON text; "" if none

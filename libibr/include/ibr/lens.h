@@ -101,7 +101,8 @@ Intrinsics undistorted(const Lens& lens, Border border = Border::crop);
 /// Border::crop) its edge is repeated, beyond that the picture is black. Precondition: pinhole.model is pinhole.
 Image8 undistort(const Image8& picture, const Lens& lens, const Intrinsics& pinhole);
 
-/// The pixel of `pinhole` that shows what `lens` shows at a pixel; nullopt where none does or it is outside the picture.
+/// The pixel of `pinhole` that shows what `lens` shows at a pixel; nullopt where none does or it is outside the
+/// picture.
 std::optional<glm::dvec2> undistort(glm::dvec2 pixel, const Lens& lens, const Intrinsics& pinhole);
 
 /// Whether a pixel of `pinhole` was photographed: false in the black border of Border::keep.

@@ -22,9 +22,9 @@ double psnr(const Image8& a, const Image8& b, const Image8& mask);
 double ssim(const Image8& a, const Image8& b);
 double ssim(const Image8& a, const Image8& b, const Image8& mask);
 
-/// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the one before, with
-/// the weights of the paper; 1 for equal pictures, 0 where a scale's pictures are opposites. NaN where a side is shorter
-/// than 176 px (11 at the coarsest scale).
+/// Multi-scale structural similarity (Wang et al. 2003): five scales, each of means of 2×2 pixels of the one before,
+/// with the weights of the paper; 1 for equal pictures, 0 where a scale's pictures are opposites. NaN where a side is
+/// shorter than 176 px (11 at the coarsest scale).
 double msSsim(const Image8& a, const Image8& b);
 
 /// LDR-FLIP (Andersson et al. 2020): how strong a difference is seen when the pictures alternate in one place, 0 (none)
@@ -45,18 +45,18 @@ double deltaE(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b);
 /// What a picture keeps of the truth's detail, over differences of luma between neighbouring pixels that both count in
 /// the mask (1 channel, nonzero). NaN where no such pixels differ in the truth.
 struct Detail {
-  double energy;       // Σ d² of the picture / Σ d² of the truth: below 1 it is blurred, above 1 it has edges of ghosts
+  double energy;  // Σ d² of the picture / Σ d² of the truth: below 1 it is blurred, above 1 it has edges of ghosts
   double correlation;  // of both pictures' d (without means), -1 to 1: 1 where edges stand where they stood
 };
 Detail detail(const Image8& picture, const Image8& truth, const Image8& mask);
 
-/// The energy that is left of a picture's detail where it is read between its pixels by bilinear filtering, mean over 4 × 4
-/// places: what a photograph as fine as the picture can show of it from elsewhere. NaN where no neighbours differ.
+/// The energy that is left of a picture's detail where it is read between its pixels by bilinear filtering, mean over 4
+/// × 4 places: what a photograph as fine as the picture can show of it from elsewhere. NaN where no neighbours differ.
 double sampledDetail(const Image8& picture);
 
 /// Share of the picture's 32 × 32 px tiles (those at the right and lower edge may be smaller) that are torn: their mean
-/// gradient energy, the squared differences of luma to the right and lower neighbours, exceeds three times the truth's by
-/// more than 4 levels². NaN for empty pictures.
+/// gradient energy, the squared differences of luma to the right and lower neighbours, exceeds three times the truth's
+/// by more than 4 levels². NaN for empty pictures.
 inline constexpr int kTileSide = 32;  // px
 double tornTiles(const Image8& picture, const Image8& truth);
 

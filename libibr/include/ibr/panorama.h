@@ -23,9 +23,9 @@ class PanoramaSampler {
   explicit PanoramaSampler(const Image8& panorama);
 
   /// What a pinhole at the panorama's centre sees. `rotation` (unit) maps its axes to the panorama's.
-  /// Bilinear at positions rounded to 1/256 px, across the seam and over the poles. Where a pixel of the picture is wider
-  /// than one of the panorama it is the mean of what it covers: of up to 16 × 16 parts of the pixel, and near the poles
-  /// of up to 64 places along the parallel. Throws Error{invalidInput} where it is no pinhole with fx, fy > 0.
+  /// Bilinear at positions rounded to 1/256 px, across the seam and over the poles. Where a pixel of the picture is
+  /// wider than one of the panorama it is the mean of what it covers: of up to 16 × 16 parts of the pixel, and near the
+  /// poles of up to 64 places along the parallel. Throws Error{invalidInput} where it is no pinhole with fx, fy > 0.
   Image8 view(const Intrinsics& pinhole, glm::dquat rotation) const;
 
  private:
@@ -57,22 +57,23 @@ int faceSize(int panoramaWidth, double fovRadians);
 enum class PictureFormat : std::uint8_t { asSource, jpeg, png };  // asSource: PNG where the source is no JPEG
 
 struct SplitOptions {
-  std::filesystem::path input;      // a panorama; with poses, the folder that their names are relative to
-  std::filesystem::path model;      // COLMAP model folder, or
-  std::filesystem::path panoramas;  // file that readPanoramas (ibr/author.h) reads; neither: one panorama, at the origin
-  std::filesystem::path output;     // made if missing; gets images/ and sparse/
-  int views = 0;                    // round the horizon; 0: the faces of a cube
-  bool poles = false;               // up and down besides views round the horizon
-  double fovDegrees = 105;          // of a face, both ways; above 90 the faces of a cube overlap
-  int size = 0;                     // px, both ways; 0: faceSize()
+  std::filesystem::path input;  // a panorama; with poses, the folder that their names are relative to
+  std::filesystem::path model;  // COLMAP model folder, or
+  std::filesystem::path
+      panoramas;                 // file that readPanoramas (ibr/author.h) reads; neither: one panorama, at the origin
+  std::filesystem::path output;  // made if missing; gets images/ and sparse/
+  int views = 0;                 // round the horizon; 0: the faces of a cube
+  bool poles = false;            // up and down besides views round the horizon
+  double fovDegrees = 105;       // of a face, both ways; above 90 the faces of a cube overlap
+  int size = 0;                  // px, both ways; 0: faceSize()
   PictureFormat format = PictureFormat::asSource;
   int threads = 0;  // at most, 0 = all cores; the pictures do not depend on it
 };
 
 struct SplitReport {
-  std::size_t panoramas = 0, pictures = 0, observations = 0;  // observations of tracks that fell into pictures
-  std::vector<std::string> skipped;                           // images of the model that are no panoramas
-  int size = 0;                                               // px of the last picture
+  std::size_t panoramas = 0, pictures = 0, observations = 0;    // observations of tracks that fell into pictures
+  std::vector<std::string> skipped;                             // images of the model that are no panoramas
+  int size = 0;                                                 // px of the last picture
   double readSeconds = 0, sampleSeconds = 0, writeSeconds = 0;  // of the processor, added up over threads
   double seconds = 0;                                           // that passed
 };

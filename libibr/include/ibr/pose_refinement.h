@@ -8,8 +8,9 @@
 
 namespace ibr {
 
-/// By bundle adjustment over the model's tracks and the matches of all cells, as far as points that it was not made with
-/// confirm it, brought back to place, direction and scale of the world before. Px are those of what is matched (2 MP at most).
+/// By bundle adjustment over the model's tracks and the matches of all cells, as far as points that it was not made
+/// with confirm it, brought back to place, direction and scale of the world before. Px are those of what is matched (2
+/// MP at most).
 struct PoseRefinement {
   struct Errors {
     double medianPx = 0, p90Px = 0;  // of reprojections, points placed where they fit best
@@ -21,8 +22,9 @@ struct PoseRefinement {
     double focalFactor = 1;  // of the focal lengths
   };
   struct Step {
-    std::string by;                         // what more it goes by, or changes
-    double cellsSurer = 0, modelSurer = 0;  // standard errors by which points of the other half fit better; NaN: too few
+    std::string by;  // what more it goes by, or changes
+    double cellsSurer = 0,
+           modelSurer = 0;  // standard errors by which points of the other half fit better; NaN: too few
     bool taken = false;
   };
   std::size_t tracksOfCells = 0, tracksOfModel = 0;

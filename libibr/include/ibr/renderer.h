@@ -179,7 +179,7 @@ struct CellBounds {
     std::array<glm::vec3, 4> point{};  // a_i r_i in the member's camera axes
     float inverseDistance = 0;
   };
-  struct Anchor {                 // a place of a photograph, as tier 0 shows it
+  struct Anchor {                  // a place of a photograph, as tier 0 shows it
     std::uint32_t photograph = 0;  // node
     std::uint32_t place = 0;       // on a grid over it (render/plan/anchors.h)
     Corner point;
@@ -207,8 +207,8 @@ struct FrameInput {
   double dtSeconds = 0;  // since the frame before; clamped to 0 … 0.1 (NUMERICS T18)
 };
 
-/// A rigid motion of a mesh while it is drawn: what it has at X is seen at pivot + rotation·(X − pivot + shift), what it
-/// has in a direction far away in the turned one.
+/// A rigid motion of a mesh while it is drawn: what it has at X is seen at pivot + rotation·(X − pivot + shift), what
+/// it has in a direction far away in the turned one.
 struct Correction {
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  // unit
   glm::dvec3 pivot{0.0}, shift{0.0};        // world
@@ -294,7 +294,7 @@ struct FramePlan {
   std::vector<PlannedBackdrop> backdrops;  // best first, those that leave among them
   std::vector<PlannedCell> former;         // while a switch is mixed: what is drawn in the order before it; else empty
   double formerWeight = 0;                 // of the picture of `former` in the mixture, 0 … 1
-  glm::dvec3 exposure{1.0};  // R, G, B: of linear light, times a photograph's gain, unless that is off
+  glm::dvec3 exposure{1.0};                // R, G, B: of linear light, times a photograph's gain, unless that is off
   ColourPlan colour;
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why

@@ -74,7 +74,7 @@ struct CellQuality {
   double coverage;    // 0 to 1: share of the members' mean picture under tier-0 triangles
   double ecc;         // -1 to 1: area-weighted mean of MorphMesh::ecc over tier 0
   double residualPx;  // >= 0: median distance between a match and the projection of its triangulated point
-  double score;       // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/graph/choose_cells.h)
+  double score;  // 0 to 1: shape × covisible share × little disparity × coverage × ecc (author/graph/choose_cells.h)
   CellQuality();
 };
 
@@ -104,8 +104,8 @@ struct Scene {
   std::vector<Cell> cells;
   std::vector<Cell> backdrops;  // tier 2: at most one a node, one member each
   std::vector<UnusedPhotograph> unused;
-  std::string acquisition;      // "ordered", "unordered", "synthetic", "panoramic" or ""
-  std::string settings;         // the effective settings it was built with, as JSON text; "" if none
+  std::string acquisition;  // "ordered", "unordered", "synthetic", "panoramic" or ""
+  std::string settings;     // the effective settings it was built with, as JSON text; "" if none
   std::optional<GeographicOrigin> origin;
 };
 

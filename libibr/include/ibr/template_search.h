@@ -35,15 +35,14 @@ struct TemplateTask {
 };
 
 struct TemplateMatch {
-  glm::ivec2 displacement{0};  // px; of the least cost, the one nearest to the start where several have it, and of these
-                               // the first by rows
+  glm::ivec2 displacement{0};  // px; of the least cost, the one nearest to the start where several have it, and of
+                               // these the first by rows
   float cost = 0;              // as the measure says; infinite where a task has no samples
 };
 
 /// Finds the matches of all tasks, in their order. Beyond its border a picture goes on as it ends there.
-using TemplateSearch = std::function<std::vector<TemplateMatch>(std::span<const TemplateTask> tasks,
-                                                                std::span<const TemplateSample> samples, int radius,
-                                                                TemplateMeasure measure)>;
+using TemplateSearch = std::function<std::vector<TemplateMatch>(
+    std::span<const TemplateTask> tasks, std::span<const TemplateSample> samples, int radius, TemplateMeasure measure)>;
 
 /// A search over RGB pictures, which are read until it goes.
 using MakeTemplateSearch = std::function<TemplateSearch(std::span<const Image8* const> pictures)>;

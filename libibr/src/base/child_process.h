@@ -11,7 +11,7 @@
 namespace ibr {
 
 struct ChildResult {
-  int status = 0;     // its exit status, or 128 and the signal that ended it
+  int status = 0;        // its exit status, or 128 and the signal that ended it
   bool stopped = false;  // by us
 };
 

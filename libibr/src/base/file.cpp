@@ -42,7 +42,7 @@ OpenFile openRegular(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   check(fd >= 0, ErrorCode::io, "{}: cannot be opened: {}", path.string(), std::strerror(errno));
   Descriptor descriptor(fd);
-  struct stat status{};
+  struct stat status {};
   check(::fstat(fd, &status) == 0, ErrorCode::io, "{}: {}", path.string(), std::strerror(errno));
   check(S_ISREG(status.st_mode), ErrorCode::io, "{}: is not a regular file", path.string());
   return {std::move(descriptor), std::uint64_t(status.st_size)};
@@ -76,7 +76,9 @@ std::vector<std::byte> readFile(const fs::path& path, std::uint64_t limit) {
   return readWhole<std::vector<std::byte>>(path, limit);
 }
 
-std::string readTextFile(const fs::path& path, std::uint64_t limit) { return readWhole<std::string>(path, limit); }
+std::string readTextFile(const fs::path& path, std::uint64_t limit) {
+  return readWhole<std::string>(path, limit);
+}
 
 std::vector<std::byte> readFileStart(const fs::path& path, std::size_t bytes) {
   const OpenFile file = openRegular(path);

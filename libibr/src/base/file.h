@@ -31,8 +31,8 @@ void makeFolders(const std::filesystem::path& folder);
 /// path which is there and no folder, or may not be written. Makes nothing.
 void checkFolderWritable(const std::filesystem::path& folder);
 
-/// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..", links).
-/// The file need not exist.
+/// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..",
+/// links). The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);
 
 }  // namespace ibr

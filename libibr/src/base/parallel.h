@@ -13,8 +13,8 @@ namespace ibr {
 bool runJobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job,
              const std::function<bool(std::size_t done)>& report);
 
-/// Threads for jobs that take up to `bytesEach` of memory: as many as `wanted` (0: as there are cores), but no more than
-/// `memory` bytes hold (0: half of what this process may have, memoryLimit), and at least one.
+/// Threads for jobs that take up to `bytesEach` of memory: as many as `wanted` (0: as there are cores), but no more
+/// than `memory` bytes hold (0: half of what this process may have, memoryLimit), and at least one.
 int threadsFor(int wanted, double bytesEach, double memory = 0);
 
 /// Bytes that work may take: as many as are wanted, or for 0 half of what this process may have.

@@ -23,6 +23,8 @@ std::optional<double> parseDouble(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::optional<std::int64_t> parseInt(std::string_view text) { return parseWhole<std::int64_t>(text); }
+std::optional<std::int64_t> parseInt(std::string_view text) {
+  return parseWhole<std::int64_t>(text);
+}
 
 }  // namespace ibr

@@ -44,7 +44,8 @@ std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view me
     fs::path group = fs::path(line.substr(second + 1)).relative_path();
     for (bool last = false; !last; group = group.parent_path()) {
       last = group.empty();
-      if (const auto limit = firstNumber(textOf(top / group / file)); limit && (!least || *limit < *least)) least = limit;
+      if (const auto limit = firstNumber(textOf(top / group / file)); limit && (!least || *limit < *least))
+        least = limit;
     }
   }
   return least;
@@ -52,7 +53,8 @@ std::optional<double> groupMemoryLimit(const fs::path& root, std::string_view me
 
 double memoryLimit() {
   double limit = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-  if (const auto group = groupMemoryLimit("/sys/fs/cgroup", textOf("/proc/self/cgroup"))) limit = std::min(limit, *group);
+  if (const auto group = groupMemoryLimit("/sys/fs/cgroup", textOf("/proc/self/cgroup")))
+    limit = std::min(limit, *group);
   rlimit space{};
   if (::getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
     limit = std::min(limit, double(space.rlim_cur));

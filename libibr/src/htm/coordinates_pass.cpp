@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/pipeline.h"
+#include "gpu/transfer/barrier.h"
 #include "shaders/htm_colours_comp.h"
 #include "shaders/htm_harmonise_comp.h"
 #include "shaders/htm_rank_comp.h"

@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/draw/pipeline.h"
 #include "gpu/draw/rendering.h"
+#include "gpu/transfer/barrier.h"
 #include "gpu/transfer/submit.h"
 #include "htm/gpu_model.h"
 #include "htm/projection.h"

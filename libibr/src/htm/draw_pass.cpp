@@ -6,10 +6,10 @@
 #include <cstddef>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
-#include "gpu/transfer/format.h"
 #include "gpu/draw/pipeline.h"
 #include "gpu/draw/rendering.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/format.h"
 #include "htm/coordinates_pass.h"
 #include "image/srgb.h"
 #include "shaders/htm_colours_frag.h"

@@ -2,8 +2,8 @@
 // What all passes of a frame are bound to: the model's buffers and images, and those that a frame fills.
 #pragma once
 
-#include "gpu/transfer/buffer.h"
 #include "gpu/device/handle.h"
+#include "gpu/transfer/buffer.h"
 #include "htm/gpu_model.h"
 #include "shared/htm.h"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <string_view>
+#include <utility>
 
 #include "base/check.h"
 #include "htm/weights.h"

@@ -12,7 +12,8 @@ namespace ibr {
 
 /// Bilinear, the border's values beyond the centres of its pixels; `at` in px, centres at halves.
 inline glm::dvec3 bilinear(const Image8& picture, glm::dvec2 at) {
-  const double u = std::clamp(at.x - 0.5, 0.0, picture.width - 1.0), v = std::clamp(at.y - 0.5, 0.0, picture.height - 1.0);
+  const double u = std::clamp(at.x - 0.5, 0.0, picture.width - 1.0),
+               v = std::clamp(at.y - 0.5, 0.0, picture.height - 1.0);
   const int x = std::min(int(u), picture.width - 1), y = std::min(int(v), picture.height - 1);
   const int right = std::min(x + 1, picture.width - 1), below = std::min(y + 1, picture.height - 1);
   const double s = u - x, t = v - y;

@@ -28,7 +28,7 @@ using Plane = std::vector<float>;   // a value a pixel, row by row
 using Kernel = std::vector<float>;  // of odd length
 
 constexpr double kColourPower = 0.7, kKnee = 0.4, kAtKnee = 0.95, kFeaturePower = 0.5;  // q_c, p_c, p_t, q_f
-constexpr double kFeatureWidth = 0.082;  // w, degrees
+constexpr double kFeatureWidth = 0.082;                                                 // w, degrees
 
 // Columns are R, G, B (IEC 61966-2-1); the white that they sum to is neutral.
 const glm::dmat3 kXyzOfRgb{0.4124564, 0.2126729, 0.0193339, 0.3575761, 0.7151522,

@@ -9,8 +9,9 @@
 
 namespace ibr {
 
-/// Calls visit(x, y, λ), λ the barycentric coordinates of the pixel's centre, for each pixel of a width × height picture
-/// whose centre lies in the triangle or on its border. Nothing for a degenerate triangle; its orientation is free.
+/// Calls visit(x, y, λ), λ the barycentric coordinates of the pixel's centre, for each pixel of a width × height
+/// picture whose centre lies in the triangle or on its border. Nothing for a degenerate triangle; its orientation is
+/// free.
 template <class Visit>
 void forPixelsIn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, int width, int height, Visit&& visit) {
   const glm::dvec2 ab = b - a, ac = c - a;

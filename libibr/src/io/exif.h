@@ -10,7 +10,7 @@
 namespace ibr::io {
 
 struct Exif {
-  int orientation = 1;  // 1 to 8; 1, "as stored", where there is none
+  int orientation = 1;    // 1 to 8; 1, "as stored", where there is none
   bool adobeRgb = false;  // colours are those of Adobe RGB (1998): interoperability "R03"
   CaptureFacts capture;
 };

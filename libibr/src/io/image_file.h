@@ -20,8 +20,8 @@ struct ImageFileInfo {
   int width = 0, height = 0;  // as stored, before orientation
   int channels = 0;
   int bitsPerChannel = 0;
-  int orientation = 1;  // EXIF, 1 to 8
-  CaptureFacts capture;  // EXIF
+  int orientation = 1;                     // EXIF, 1 to 8
+  CaptureFacts capture;                    // EXIF
   ImageFormat format = ImageFormat::jpeg;  // by content: names lie
 };
 
@@ -33,9 +33,9 @@ struct ReadLimits {
 /// Reads the header only; refuses what readImage refuses by it.
 ImageFileInfo probeImage(const std::filesystem::path& path);
 
-/// Reads as 8-bit sRGB: grey and palette expanded, alpha dropped, 16 bits rounded to 8; what an ICC profile, or the word
-/// "R03" in EXIF, says to be of another colour space is converted; CMYK is unsupported. The EXIF orientation is applied
-/// only where asked: a pose estimator may or may not have applied it.
+/// Reads as 8-bit sRGB: grey and palette expanded, alpha dropped, 16 bits rounded to 8; what an ICC profile, or the
+/// word "R03" in EXIF, says to be of another colour space is converted; CMYK is unsupported. The EXIF orientation is
+/// applied only where asked: a pose estimator may or may not have applied it.
 Image8 readImage(const std::filesystem::path& path, bool applyOrientation = false, const ReadLimits& limits = {});
 
 /// Reads a PNG with one channel of 16 bits, values as stored.
@@ -47,8 +47,8 @@ void writeImage(const std::filesystem::path& path, const Image8& image, int qual
 /// A picture as it is stored, turned as its EXIF orientation, 1 to 8, says.
 Image8 upright(const Image8& stored, int orientation);
 
-/// Writes the photograph in `from` turned upright: a JPEG whatever the file is called, with all that EXIF says of a JPEG
-/// but its orientation, which is 1.
+/// Writes the photograph in `from` turned upright: a JPEG whatever the file is called, with all that EXIF says of a
+/// JPEG but its orientation, which is 1.
 void writeUpright(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// A text inside a picture. `key`: 1 to 79 printable ASCII characters, no space at either end nor two in a row; `text`:

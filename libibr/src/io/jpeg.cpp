@@ -117,8 +117,9 @@ class Decoder : public Codec<jpeg_decompress_struct> {
 
   ImageFileInfo info() const {
     const Exif exif = this->exif();
-    return {int(state.image_width), int(state.image_height), state.num_components, state.data_precision,
-            exif.orientation, exif.capture, ImageFormat::jpeg};
+    return {int(state.image_width), int(state.image_height), state.num_components,
+            state.data_precision,   exif.orientation,        exif.capture,
+            ImageFormat::jpeg};
   }
 
   /// Before the pixels are decoded: the markers are gone afterwards.

@@ -83,9 +83,13 @@ class Decoder : public Codec {
     const int type = png_get_color_type(png, info);
     const bool palette = type == PNG_COLOR_TYPE_PALETTE;
     const Exif exif = this->exif();
-    return {int(png_get_image_width(png, info)), int(png_get_image_height(png, info)),
-            palette ? 3 : png_get_channels(png, info), palette ? 8 : png_get_bit_depth(png, info), exif.orientation,
-            exif.capture, ImageFormat::png};
+    return {int(png_get_image_width(png, info)),
+            int(png_get_image_height(png, info)),
+            palette ? 3 : png_get_channels(png, info),
+            palette ? 8 : png_get_bit_depth(png, info),
+            exif.orientation,
+            exif.capture,
+            ImageFormat::png};
   }
 
   Bytes colourProfile() {

@@ -89,9 +89,12 @@ class Decoder {
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height);
     const int most = 0x7fffffff;
     const int orientation = field(TIFFTAG_ORIENTATION);
-    return {int(std::min(width, std::uint32_t(most))), int(std::min(height, std::uint32_t(most))),
-            field(TIFFTAG_SAMPLESPERPIXEL), field(TIFFTAG_BITSPERSAMPLE),
-            orientation >= 1 && orientation <= 8 ? orientation : 1, readExif(stream_.file).capture,
+    return {int(std::min(width, std::uint32_t(most))),
+            int(std::min(height, std::uint32_t(most))),
+            field(TIFFTAG_SAMPLESPERPIXEL),
+            field(TIFFTAG_BITSPERSAMPLE),
+            orientation >= 1 && orientation <= 8 ? orientation : 1,
+            readExif(stream_.file).capture,
             ImageFormat::tiff};
   }
 
@@ -154,8 +157,7 @@ Image8 readColours(const Decoder& decoder, const ImageFileInfo& info, const std:
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint32_t pixel = raster[i];
     // libtiff multiplies colours by their alpha; only where that changed nothing are they the file's.
-    check(TIFFGetA(pixel) == 255, ErrorCode::unsupported, "{}: has transparent pixels; save it without alpha",
-          name);
+    check(TIFFGetA(pixel) == 255, ErrorCode::unsupported, "{}: has transparent pixels; save it without alpha", name);
     image.values[3 * i] = std::uint8_t(TIFFGetR(pixel));
     image.values[3 * i + 1] = std::uint8_t(TIFFGetG(pixel));
     image.values[3 * i + 2] = std::uint8_t(TIFFGetB(pixel));

@@ -72,7 +72,7 @@ class GradientMover final : public Mover {
   ScoredPick best(std::uint32_t point, std::size_t member, const CycleRequest& request, const Positions& at) const {
     ScoredPick pick;
     const MovingPoint place{point, member, at, reachOf(input_.mesh, at, point, member, request.radius),
-                      priorOf(point, member)};
+                            priorOf(point, member)};
     if (place.reach == 0) return pick;
     pick.score = scoreAt(place, pick.offset, pick);
     const std::uint32_t seed = shader::eccPointSeed(request.seed, std::uint32_t(member), point);

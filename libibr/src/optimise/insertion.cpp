@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "optimise/triangle_agreement.h"
 #include "optimise/mesh_edges.h"
 #include "optimise/mover.h"
+#include "optimise/triangle_agreement.h"
 #include "optimise/workers.h"
 
 namespace ibr {

@@ -25,8 +25,8 @@ struct InsertRequest {
 /// judged triangle on either side, else (border, triangles that are only kept) in the middle of the triangle. The new
 /// points alone then try places, as points do in two cycles of the options' method (on the processor); those stay that
 /// make the ECC of the triangles around them rise by options.insertGain, more where these have few samples
-/// (triangle_agreement.h), the best first. No triangle is folded over (exact), and each edge has the same triangles on its
-/// sides, or is halved with both.
+/// (triangle_agreement.h), the best first. No triangle is folded over (exact), and each edge has the same triangles on
+/// its sides, or is halved with both.
 ///
 /// A point's first triangles have the indices of those that it splits, the others come last; a point is the last one,
 /// and is described in alignment.inserted. `began` (d × n) gets where each new point stood before it looked for its

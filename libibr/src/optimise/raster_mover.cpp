@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/gpu_image.h"
 #include "gpu/draw/pipeline.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/gpu_image.h"
 #include "gpu/transfer/submit.h"
 #include "gpu/transfer/upload.h"
 #include "optimise/alignment_buffers.h"

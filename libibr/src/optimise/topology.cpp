@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "optimise/triangle_agreement.h"
 #include "optimise/mesh_edges.h"
+#include "optimise/triangle_agreement.h"
 #include "optimise/workers.h"
 
 namespace ibr {

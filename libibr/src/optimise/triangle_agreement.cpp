@@ -12,7 +12,7 @@ constexpr double kSureSamples = 1024;
 }  // namespace
 
 std::optional<TriangleAgreement> agreementOf(std::span<const Texels> pictures, const Positions& at,
-                                     std::span<const glm::uvec3> triangles, double varianceFloor) {
+                                             std::span<const glm::uvec3> triangles, double varianceFloor) {
   TriangleAgreement mean;
   const double members = double(pictures.size());
   for (std::size_t source = 0; source < pictures.size(); ++source) {
@@ -28,7 +28,8 @@ std::optional<TriangleAgreement> agreementOf(std::span<const Texels> pictures, c
   return mean;
 }
 
-double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after, double gain) {
+double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after,
+                 double gain) {
   if (!before || !after || before->samples == 0) return -1;
   return after->ecc - before->ecc - gain * std::max(1.0, std::sqrt(kSureSamples / before->samples));
 }

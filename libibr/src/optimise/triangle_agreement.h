@@ -18,10 +18,11 @@ struct TriangleAgreement {
 
 /// nullopt where a triangle is too large or too steep to be judged.
 std::optional<TriangleAgreement> agreementOf(std::span<const Texels> pictures, const Positions& at,
-                                     std::span<const glm::uvec3> triangles, double varianceFloor);
+                                             std::span<const glm::uvec3> triangles, double varianceFloor);
 
 /// By how much ECC has risen beyond what is asked for: `gain` where there are 1024 samples or more, with fewer, n,
 /// 32/√n times as much, as the scatter of a correlation is. Below 0 where either could not be judged.
-double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after, double gain);
+double surplusOf(const std::optional<TriangleAgreement>& before, const std::optional<TriangleAgreement>& after,
+                 double gain);
 
 }  // namespace ibr

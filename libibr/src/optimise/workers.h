@@ -7,8 +7,8 @@
 
 namespace ibr {
 
-/// Calls work(i) for all i < count, from `threads` threads (0 = one a core) that take `block` items at once. What a call
-/// throws is thrown here, after all have ended.
+/// Calls work(i) for all i < count, from `threads` threads (0 = one a core) that take `block` items at once. What a
+/// call throws is thrown here, after all have ended.
 void forEachInParallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work,
                        std::size_t block = 16);
 

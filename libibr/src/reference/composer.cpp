@@ -21,20 +21,20 @@ namespace ibr::reference {
 namespace {
 
 // GEOMETRY, "Drawing". Flat: half or twice of any changes a synthetic street by less than .05 dB.
-constexpr double kAngleFloor = 0.03;         // radians, added to every angle
-constexpr double kBorderShare = 0.04;        // of the width, along which a photograph comes and goes
-constexpr double kDistanceCost = 0.001;      // radians a spacing
-constexpr double kLargestResolution = 1.5;   // of the view's: a finer photograph is no better
-constexpr double kVisibilityFloor = 0.002;   // a hidden photograph is better than none
-constexpr double kBehindVisibility = 0.25;   // where the photograph's own surface stands behind the point
-constexpr double kOwnPlace = 0.01;           // radians of cost within which hiding and borders stop to count
-constexpr double kSupportShare = 0.05;       // of the largest support of a pixel: less is no layer
-constexpr double kFullConsensus = 0.9;       // consensus from which on a layer hides all behind it
-constexpr double kColourSpread = 15;         // 8-bit levels; a layer whose colours differ by this counts half
-constexpr double kStepTolerance = 2;         // t: steps …
-constexpr double kShareTolerance = 0.01;     // … and a share of ρ
-constexpr double kLargestJump = 2;           // steps between neighbours of a depth map that one surface joins
-constexpr double kNearestRay = 0.05;         // cosine-like limit: geometry beside the view is not drawn
+constexpr double kAngleFloor = 0.03;              // radians, added to every angle
+constexpr double kBorderShare = 0.04;             // of the width, along which a photograph comes and goes
+constexpr double kDistanceCost = 0.001;           // radians a spacing
+constexpr double kLargestResolution = 1.5;        // of the view's: a finer photograph is no better
+constexpr double kVisibilityFloor = 0.002;        // a hidden photograph is better than none
+constexpr double kBehindVisibility = 0.25;        // where the photograph's own surface stands behind the point
+constexpr double kOwnPlace = 0.01;                // radians of cost within which hiding and borders stop to count
+constexpr double kSupportShare = 0.05;            // of the largest support of a pixel: less is no layer
+constexpr double kFullConsensus = 0.9;            // consensus from which on a layer hides all behind it
+constexpr double kColourSpread = 15;              // 8-bit levels; a layer whose colours differ by this counts half
+constexpr double kStepTolerance = 2;              // t: steps …
+constexpr double kShareTolerance = 0.01;          // … and a share of ρ
+constexpr double kLargestJump = 2;                // steps between neighbours of a depth map that one surface joins
+constexpr double kNearestRay = 0.05;              // cosine-like limit: geometry beside the view is not drawn
 constexpr std::array kCandidateDepths{1.6, 0.4};  // of the median ρ
 constexpr int kCandidateColumns = 16, kCandidateRows = 9;
 constexpr double kFadeShare = 0.25;  // a candidate whose gain exceeds that of rank K + 1 by this share counts in full
@@ -130,24 +130,23 @@ Layer drawn(const Camera& view, const ComposerPhotograph& photograph) {
       consensus[k] = double(depth.consensus.values[corner[k]]);
     }
     if (high - low > kLargestJump * depth.step) return;
-    forPixelsIn(vertices[corner[0]].pixel, vertices[corner[1]].pixel, vertices[corner[2]].pixel, width, height,
-                [&](int x, int y, const glm::dvec3& weight) {
-                  const auto mean = [&](const std::array<double, 3>& of) {
-                    return float(weight.x * of[0] + weight.y * of[1] + weight.z * of[2]);
-                  };
-                  Hypothesis& here = layer[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-                  const float inverseDepth = mean(rho);
-                  if (inverseDepth <= here.inverseDepth) return;
-                  const std::size_t nearest = weight.x >= weight.y && weight.x >= weight.z ? 0
-                                              : weight.y >= weight.z                       ? 1
-                                                                                           : 2;
-                  here = {inverseDepth, mean(trust), mean(consensus),
-                          depth.confirmations.values[corner[nearest]] == 0};
-                });
+    forPixelsIn(
+        vertices[corner[0]].pixel, vertices[corner[1]].pixel, vertices[corner[2]].pixel, width, height,
+        [&](int x, int y, const glm::dvec3& weight) {
+          const auto mean = [&](const std::array<double, 3>& of) {
+            return float(weight.x * of[0] + weight.y * of[1] + weight.z * of[2]);
+          };
+          Hypothesis& here = layer[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+          const float inverseDepth = mean(rho);
+          if (inverseDepth <= here.inverseDepth) return;
+          const std::size_t nearest = weight.x >= weight.y && weight.x >= weight.z ? 0 : weight.y >= weight.z ? 1 : 2;
+          here = {inverseDepth, mean(trust), mean(consensus), depth.confirmations.values[corner[nearest]] == 0};
+        });
   };
   for (int y = 0; y + 1 < map.height; ++y)
     for (int x = 0; x + 1 < map.width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(map.width) + std::size_t(x), below = at + std::size_t(map.width);
+      const std::size_t at = std::size_t(y) * std::size_t(map.width) + std::size_t(x),
+                        below = at + std::size_t(map.width);
       draw({at, at + 1, below});
       draw({at + 1, below + 1, below});
     }
@@ -232,7 +231,8 @@ void fillHoles(ImageF& map, const std::vector<bool>& known) {
         coarse.weight[to] += fine.weight[from];
       }
     for (std::size_t at = 0; at < coarse.value.size(); ++at)
-      if (coarse.weight[at] > 0) coarse.value[at] /= coarse.weight[at], coarse.weight[at] = std::min(coarse.weight[at], 1.0);
+      if (coarse.weight[at] > 0)
+        coarse.value[at] /= coarse.weight[at], coarse.weight[at] = std::min(coarse.weight[at], 1.0);
     levels.push_back(std::move(coarse));
   }
   for (std::size_t l = levels.size() - 1; l-- > 0;) {
@@ -246,7 +246,9 @@ void fillHoles(ImageF& map, const std::vector<bool>& known) {
                      v = std::clamp((y + 0.5) / 2 - 0.5, 0.0, coarse.height - 1.0);
         const int left = int(u), top = int(v), right = std::min(left + 1, coarse.width - 1),
                   below = std::min(top + 1, coarse.height - 1);
-        const auto value = [&](int i, int j) { return coarse.value[std::size_t(j) * std::size_t(coarse.width) + std::size_t(i)]; };
+        const auto value = [&](int i, int j) {
+          return coarse.value[std::size_t(j) * std::size_t(coarse.width) + std::size_t(i)];
+        };
         const double s = u - left, t = v - top,
                      around = (1 - t) * ((1 - s) * value(left, top) + s * value(right, top)) +
                               t * ((1 - s) * value(left, below) + s * value(right, below));
@@ -260,10 +262,10 @@ void fillHoles(ImageF& map, const std::vector<bool>& known) {
 // A candidate as a view uses it.
 struct Used {
   std::size_t photograph;
-  double weight;       // as a whole
-  double distance;     // of the two centres, world units
+  double weight;    // as a whole
+  double distance;  // of the two centres, world units
   Reprojection towards;
-  double residual;     // ρ that moves a point by the photograph's reprojection residual over the spacing
+  double residual;  // ρ that moves a point by the photograph's reprojection residual over the spacing
 };
 
 // A colour that a layer may take.
@@ -274,8 +276,8 @@ struct Offer {
 };
 
 struct Colour {
-  glm::dvec3 mean{0};    // 8-bit levels
-  double variance = 0;   // levels², mean over channels
+  glm::dvec3 mean{0};   // 8-bit levels
+  double variance = 0;  // levels², mean over channels
   bool known = false;
 };
 
@@ -307,8 +309,8 @@ Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOp
     check(!map.empty() && depth.confirmations.values.size() == map.values.size() &&
               depth.consensus.values.size() == map.values.size(),
           ErrorCode::invalidInput, "photograph {}: its depth maps are empty or of different sizes", i);
-    check(depth.step > 0 && std::isfinite(depth.step), ErrorCode::invalidInput, "photograph {}: step {} is not positive",
-          i, depth.step);
+    check(depth.step > 0 && std::isfinite(depth.step), ErrorCode::invalidInput,
+          "photograph {}: step {} is not positive", i, depth.step);
     cameras.push_back(camera);
     steps.push_back(depth.step);
     occluders_.push_back(blockMaxima(map, camera.intrinsics.width));
@@ -383,16 +385,18 @@ Composed Composer::compose(const Camera& view, const PictureSource& pictures) co
   }
   std::vector<Layer> layers(used.size());
   const auto always = [](std::size_t) { return true; };
-  runJobs(used.size(), options_.threads,
-          [&](std::size_t k) { layers[k] = drawn(view, photographs_[used[k].photograph]); }, always);
+  runJobs(
+      used.size(), options_.threads, [&](std::size_t k) { layers[k] = drawn(view, photographs_[used[k].photograph]); },
+      always);
 
   constexpr int kRows = 8;  // of a job
   const auto inBands = [&](const auto& row) {
-    runJobs(std::size_t((height + kRows - 1) / kRows), options_.threads,
-            [&](std::size_t band) {
-              for (int y = int(band) * kRows; y < std::min(height, (int(band) + 1) * kRows); ++y) row(y);
-            },
-            always);
+    runJobs(
+        std::size_t((height + kRows - 1) / kRows), options_.threads,
+        [&](std::size_t band) {
+          for (int y = int(band) * kRows; y < std::min(height, (int(band) + 1) * kRows); ++y) row(y);
+        },
+        always);
   };
 
   std::vector<Surfaces> surfaces(pixels);
@@ -436,8 +440,8 @@ Composed Composer::compose(const Camera& view, const PictureSource& pictures) co
       const glm::dvec2 pixel = candidate.towards.pixel(direction);
       if (!candidate.towards.inside(pixel)) continue;
       const double cost = kAngleFloor + angleBetween(ray, direction) + kDistanceCost * candidate.distance / spacing_;
-      const double resolution = std::min(intrinsics.fx * glm::length(ray) / (view.intrinsics.fx * glm::length(direction)),
-                                         kLargestResolution);
+      const double resolution = std::min(
+          intrinsics.fx * glm::length(ray) / (view.intrinsics.fx * glm::length(direction)), kLargestResolution);
       const double here = inverseDepth / -direction.z;
       const ImageF& occluder = occluders_[candidate.photograph];
       const double own = double(bilinear(occluder, pixel.x / intrinsics.width * occluder.width,
@@ -448,8 +452,9 @@ Composed Composer::compose(const Camera& view, const PictureSource& pictures) co
       const double visible = std::max((1 - before) * (1 - (1 - kBehindVisibility) * behind), kVisibilityFloor);
       const double apart = smoothstep(0, kOwnPlace, cost - kAngleFloor);
       constexpr double kLeastApart = 1e-6;
-      double weight = candidate.weight * resolution * resolution * glm::mix(1.0, borderWeight(intrinsics, pixel), apart) *
-                      glm::mix(1.0, visible, apart) / (cost * std::max(apart, kLeastApart));
+      double weight = candidate.weight * resolution * resolution *
+                      glm::mix(1.0, borderWeight(intrinsics, pixel), apart) * glm::mix(1.0, visible, apart) /
+                      (cost * std::max(apart, kLeastApart));
       const Image8& picture = pictureOf[k];
       if (picture.channels == 4 &&
           picture.pixel(std::min(int(pixel.x), picture.width - 1), std::min(int(pixel.y), picture.height - 1))[3] == 0)

@@ -14,16 +14,16 @@
 #include "render/passes/buffer_pass.h"
 #include "render/passes/cell_pass.h"
 #include "render/passes/colour_map_pass.h"
-#include "render/plan/colour_plan.h"
 #include "render/passes/colour_tables.h"
 #include "render/passes/composite_pass.h"
 #include "render/passes/depth_pass.h"
 #include "render/passes/fill_pass.h"
-#include "render/resident/gpu_scene_state.h"
 #include "render/passes/hidden_area_pass.h"
 #include "render/passes/overlay_pass.h"
 #include "render/passes/steps.h"
 #include "render/passes/uncertainties.h"
+#include "render/plan/colour_plan.h"
+#include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
 

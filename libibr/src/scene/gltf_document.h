@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF 2.0 document and the buffers beside it, or a .glb with both in one file. Nothing in them is trusted: every number is checked where it is read,
-// every file reference stays inside the document's folder, every accessor inside its buffer. Faults are JsonFaults,
-// files that cannot be read Error{io}.
+// A glTF 2.0 document and the buffers beside it, or a .glb with both in one file. Nothing in them is trusted: every
+// number is checked where it is read, every file reference stays inside the document's folder, every accessor inside
+// its buffer. Faults are JsonFaults, files that cannot be read Error{io}.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +37,7 @@ class GltfDocument {
     std::vector<std::byte> bytes;
 
     float value(std::size_t element, std::size_t component) const;  // where components are floats
-    std::uint32_t index(std::size_t element) const;  // of all components in turn, whole numbers
+    std::uint32_t index(std::size_t element) const;                 // of all components in turn, whole numbers
   };
   /// `type` is "SCALAR" or "VEC2" … "VEC4"; `componentTypes` those allowed, of kFloat and so on. The last buffer is
   /// kept, so that accessors are best read buffer by buffer; not to be called from several threads.

@@ -43,8 +43,7 @@ std::vector<Fault> validate(const HtmModel& model, std::size_t limit) {
     const HtmCamera& camera = model.cameras[i];
     if (camera.name.empty()) faults.add(at + ".name", "is empty");
     if (!names.insert(camera.name).second) faults.add(at + ".name", "\"{}\" stands twice", camera.name);
-    if (camera.camera.intrinsics.model != CameraModel::pinhole)
-      faults.add(at + ".camera.intrinsics", "is no pinhole");
+    if (camera.camera.intrinsics.model != CameraModel::pinhole) faults.add(at + ".camera.intrinsics", "is no pinhole");
     checkCamera(camera.camera, at + ".camera", faults);
     if (!camera.given) continue;
     checkCamera(*camera.given, at + ".given", faults);

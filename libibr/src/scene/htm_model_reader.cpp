@@ -26,8 +26,8 @@ class HtmModelReader {
     HtmCamera camera{named.name, named.camera, {}, {}};
     if (entry.has("given")) {
       const JsonValue given = entry["given"];
-      camera.given = Camera{intrinsicsOf(given["camera"]),
-                            {vector3(given["translation"]), quaternion(given["rotation"])}};
+      camera.given =
+          Camera{intrinsicsOf(given["camera"]), {vector3(given["translation"]), quaternion(given["rotation"])}};
       const Intrinsics &k = named.camera.intrinsics, &g = camera.given->intrinsics;
       if (g.model != k.model || g.width != k.width || g.height != k.height)
         given["camera"].fault("differs in kind or size from the camera's");

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -16,7 +16,8 @@ namespace ibr {
 /// direction ray(pixel) from the view and ray(pixel) + w·shift() from the photograph, in the photograph's axes.
 class Reprojection {
  public:
-  Reprojection(const Camera& view, const Camera& photograph) : view_(view.intrinsics), photograph_(photograph.intrinsics) {
+  Reprojection(const Camera& view, const Camera& photograph)
+      : view_(view.intrinsics), photograph_(photograph.intrinsics) {
     const glm::dquat toPhotograph = glm::conjugate(photograph.pose.rotation);
     turn_ = glm::mat3_cast(toPhotograph * view.pose.rotation);
     shift_ = toPhotograph * (view.pose.position - photograph.pose.position);

@@ -8,13 +8,14 @@
 #include <set>
 
 #include "base/check.h"
-#include "scene/scene_faults.h"
 #include "scene/mesh_buffer.h"
+#include "scene/scene_faults.h"
 #include "scene/scene_file.h"
 
 namespace ibr {
 
-CellQuality::CellQuality() : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage), score(coverage) {}
+CellQuality::CellQuality()
+    : coverage(std::numeric_limits<double>::quiet_NaN()), ecc(coverage), residualPx(coverage), score(coverage) {}
 
 std::size_t MorphMesh::tier0Count() const {
   return std::size_t(std::count(tier.begin(), tier.end(), std::uint8_t(kTierAgrees)));

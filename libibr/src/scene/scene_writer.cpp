@@ -145,9 +145,9 @@ class Writer {
     const std::size_t texture = gltf_.add("textures", {{"source", photograph["image"]}});
     const std::size_t material =
         gltf_.add("materials", {{"name", scene_.nodes[node].name},
-                          {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}},
-                          {"doubleSided", true},
-                          {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
+                                {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}},
+                                {"doubleSided", true},
+                                {"extensions", {{"KHR_materials_unlit", Json::object()}}}});
     return materials_[node] = material;
   }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// ibr accuracy: what it refuses. What it measures is tested with the library (tests/unit/author/eval/accuracy_test.cpp).
+// ibr accuracy: what it refuses. What it measures is tested with the library
+// (tests/unit/author/eval/accuracy_test.cpp).
 #include <catch2/catch.hpp>
 #include <filesystem>
 
 #include "apps/support/run_program.h"
-#include "support/temporary_folder.h"
 #include "apps/support/tiny_scene.h"
+#include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace ibr::test;

@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "ibr/scene.h"
-#include "apps/support/run_program.h"
 #include "support/contents_below.h"
 #include "support/temporary_folder.h"
-#include "apps/support/tiny_scene.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;
@@ -301,8 +301,7 @@ TEST_CASE("a dry run says what building takes, and makes nothing") {
   CHECK(told.at("predicted").at("photographs") == 3);
   CHECK(told.at("predicted").at("memory") > 1e6);
   CHECK(!fs::exists(folder / "scene"));
-  const auto real =
-      runProgram({"build", set.photographs, "-o", folder / "scene", "--memory", "2G", "--json", "-"});
+  const auto real = runProgram({"build", set.photographs, "-o", folder / "scene", "--memory", "2G", "--json", "-"});
   REQUIRE(real.code == 0);
   CHECK_THAT(real.err, Contains("3 photographs") && Contains("of memory"));
   const auto report = nlohmann::json::parse(real.out);

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "unit/io/unusual_files.h"
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "ibr/scene.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
-#include "apps/support/tiny_scene.h"
+#include "unit/io/unusual_files.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;

@@ -5,11 +5,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
-#include "apps/support/tiny_scene.h"
 #include "unit/io/unusual_files.h"
 
 namespace fs = std::filesystem;
@@ -222,9 +222,9 @@ TEST_CASE("eval: baselines by name, torn tiles, guessed pixels, and depth agains
   const fs::path depth = folder / "depth";
   fs::create_directories(depth);
   writeEvenDepth(depth / "between.png", truth.width, truth.height);
-  const auto outcome = runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--guessed", "--truth-depth",
-                                   depth, "--depth-unit", "0.01", "--json", folder / "report.json", "--baselines",
-                                   "gathered"});
+  const auto outcome =
+      runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--guessed", "--truth-depth", depth,
+                  "--depth-unit", "0.01", "--json", folder / "report.json", "--baselines", "gathered"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const json view = json::parse(readTextFile(folder / "report.json")).at("views").at(0);
@@ -238,7 +238,8 @@ TEST_CASE("eval: baselines by name, torn tiles, guessed pixels, and depth agains
     CHECK(scores.at("worstTile").at("meanSquared") >= 0);
   }
 
-  const auto unknown = runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--baselines", "magic"});
+  const auto unknown =
+      runProgram({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--baselines", "magic"});
   CHECK(unknown.code == 1);
   CHECK_THAT(unknown.err, Contains("magic") && Contains("lumigraph"));
   writeEvenDepth(depth / "between.png", 8, 8);

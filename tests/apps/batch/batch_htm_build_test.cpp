@@ -4,9 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
 #include "base/file.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/contents_below.h"
 #include "support/htm_files.h"
 #include "support/temporary_folder.h"

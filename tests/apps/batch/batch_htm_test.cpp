@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "io/image_file.h"
 #include "apps/support/run_program.h"
+#include "io/image_file.h"
 #include "support/bumpy_model.h"
 #include "support/temporary_folder.h"
 

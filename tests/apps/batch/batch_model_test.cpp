@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ibr/htm_sequence.h"
 #include "apps/support/run_program.h"
+#include "ibr/htm_sequence.h"
 #include "support/temporary_folder.h"
 #include "support/test_meshes.h"
 

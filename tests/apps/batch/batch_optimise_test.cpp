@@ -5,13 +5,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "ibr/scene.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/contents_below.h"
 #include "support/temporary_folder.h"
-#include "apps/support/tiny_scene.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;

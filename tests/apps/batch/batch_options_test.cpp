@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
 #include "apps/support/run_program.h"
+#include "base/file.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/support/run_program.h"
 #include "base/file.h"
 #include "ibr/image.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -117,8 +117,8 @@ TEST_CASE("poses that points confirm are kept, with the cells that were matched"
   const std::string loose = folder / "loose", scene = folder / "scene";
   REQUIRE(runProgram({"synth", "noise", "--model", wall.exact, "--pixels", "0", "--track-pixels", "0.3", "-o", loose})
               .code == 0);
-  std::vector<std::string> line{"build",       wall.photographs, "--model", loose,  "-o", scene,
-                                "--refine-poses", "auto",        "--json",  "-",    "--exclude"};
+  std::vector<std::string> line{"build",          wall.photographs, "--model", loose, "-o",       scene,
+                                "--refine-poses", "auto",           "--json",  "-",   "--exclude"};
   for (int i = 4; i < 16; ++i) line.push_back(fmt::format("photo{:04}.jpg", i));
   const json report = reportOf(runProgram(line));
   CHECK(report["refinement"]["kept"] == true);

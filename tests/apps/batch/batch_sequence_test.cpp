@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
 #include "apps/support/moving_frames.h"
 #include "apps/support/run_program.h"
+#include "base/file.h"
 #include "support/contents_below.h"
 #include "support/temporary_folder.h"
 

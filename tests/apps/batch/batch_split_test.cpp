@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
 #include "base/file.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;

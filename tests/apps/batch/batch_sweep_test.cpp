@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "base/file.h"
 #include "apps/support/run_program.h"
-#include "support/temporary_folder.h"
 #include "apps/support/tiny_scene.h"
+#include "base/file.h"
+#include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;

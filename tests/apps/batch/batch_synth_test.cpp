@@ -4,9 +4,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
 #include "base/file.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -163,8 +163,8 @@ TEST_CASE("synth moving writes frames as ibr htm build takes them") {
 TEST_CASE("synth court writes photographs that build makes a scene from") {
   const test::TemporaryFolder folder;
   const std::string court = folder / "court";
-  const auto made = runProgram({"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120",
-                                "--json", "-"});
+  const auto made = runProgram(
+      {"synth", "court", "-o", court, "--photographs", "6", "--views", "1", "--size", "160x120", "--json", "-"});
   INFO(made.err);
   REQUIRE(made.code == 0);
   const auto report = nlohmann::json::parse(made.out);

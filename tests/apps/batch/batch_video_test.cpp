@@ -5,9 +5,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
 #include "apps/support/moving_frames.h"
 #include "apps/support/run_program.h"
+#include "base/file.h"
 #include "support/contents_below.h"
 #include "support/temporary_folder.h"
 

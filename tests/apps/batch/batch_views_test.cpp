@@ -4,11 +4,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
 #include "io/image_file.h"
-#include "apps/support/run_program.h"
 #include "support/temporary_folder.h"
-#include "apps/support/tiny_scene.h"
 
 namespace fs = std::filesystem;
 using namespace ibr;

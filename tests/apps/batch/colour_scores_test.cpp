@@ -34,8 +34,8 @@ TEST_CASE("a seam is what cells step by beyond the truth's own step") {
   const Image8 picture = halves(100, 130), truth = halves(100, 110);
   const SeamStep found = seamStep(picture, twoCells(), truth);
   CHECK(found.levels == Approx(20));
-  CHECK(found.deltaE == Approx(deltaE(picture.pixel(1, 0), picture.pixel(2, 0)) -
-                               deltaE(truth.pixel(1, 0), truth.pixel(2, 0))));
+  CHECK(found.deltaE ==
+        Approx(deltaE(picture.pixel(1, 0), picture.pixel(2, 0)) - deltaE(truth.pixel(1, 0), truth.pixel(2, 0))));
   CHECK(found.deltaE == Approx(8).margin(1));  // 2.55 levels of grey are about a unit of L*
   CHECK(seamStep(truth, twoCells(), truth).levels == 0);
   CHECK(seamStep(truth, twoCells(), truth).deltaE == 0);

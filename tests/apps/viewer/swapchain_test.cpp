@@ -10,10 +10,10 @@
 #include <string>
 #include <thread>
 
-#include "gpu/transfer/barrier.h"
-#include "support/gpu.h"
 #include "apps/support/virtual_display.h"
 #include "apps/support/x11_window.h"
+#include "gpu/transfer/barrier.h"
+#include "support/gpu.h"
 
 using namespace ibr;
 using namespace ibr::app;

@@ -12,15 +12,15 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
-#include "ibr/metrics.h"
-#include "io/image_file.h"
 #include "apps/support/run_program.h"
-#include "support/htm_files.h"
-#include "support/temporary_folder.h"
 #include "apps/support/tiny_scene.h"
 #include "apps/support/virtual_display.h"
 #include "apps/support/x11_window.h"
+#include "base/file.h"
+#include "ibr/metrics.h"
+#include "io/image_file.h"
+#include "support/htm_files.h"
+#include "support/temporary_folder.h"
 
 namespace ibr::test {
 

@@ -199,7 +199,7 @@ TEST_CASE("weights go on in a model whose cameras are others", "[htm]") {
   };
   CHECK(logs({"a", "b", "c"}) == state.logWeights);
   CHECK(logs({"c", "a", "b"}) == std::vector<double>{-1, -3, 0});
-  CHECK(logs({"c", "a"}) == std::vector<double>{0, -2});                 // the largest is 0 again
+  CHECK(logs({"c", "a"}) == std::vector<double>{0, -2});  // the largest is 0 again
   CHECK(logs({"c", "new", "b", "a"}) == std::vector<double>{-1, -3, 0, -3});
   CHECK(logs({"new", "c"}) == std::vector<double>{-2, 0});
   CHECK(logs({"new", "newer"}).empty());

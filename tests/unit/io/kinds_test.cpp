@@ -155,17 +155,30 @@ TEST_CASE("TIFF that holds no photograph to be shown is refused with what to do"
 TEST_CASE("files of other kinds are named by their content, whatever their extension") {
   test::TemporaryFolder folder;
   using namespace std::string_literals;
-  const std::pair<const char*, std::string> kinds[] = {
-      {"HEIC", "\0\0\0\x18""ftypheic\0\0\0\0"s}, {"HEIC", "\0\0\0\x18""ftypmif1\0\0\0\0"s},
-      {"AVIF", "\0\0\0\x18""ftypavif\0\0\0\0"s}, {"WebP", "RIFF\x10\0\0\0WEBPVP8 "s},
-      {"GIF", "GIF89a"s}, {"JPEG XL", "\xff\x0a\0"s}, {"video", "\0\0\0\x18""ftypqt  \0\0\0\0"s},
-      {"CR3 raw", "\0\0\0\x18""ftypcrx \0\0\0\0"s}};
+  const std::pair<const char*, std::string> kinds[] = {{"HEIC",
+                                                        "\0\0\0\x18"
+                                                        "ftypheic\0\0\0\0"s},
+                                                       {"HEIC",
+                                                        "\0\0\0\x18"
+                                                        "ftypmif1\0\0\0\0"s},
+                                                       {"AVIF",
+                                                        "\0\0\0\x18"
+                                                        "ftypavif\0\0\0\0"s},
+                                                       {"WebP", "RIFF\x10\0\0\0WEBPVP8 "s},
+                                                       {"GIF", "GIF89a"s},
+                                                       {"JPEG XL", "\xff\x0a\0"s},
+                                                       {"video",
+                                                        "\0\0\0\x18"
+                                                        "ftypqt  \0\0\0\0"s},
+                                                       {"CR3 raw",
+                                                        "\0\0\0\x18"
+                                                        "ftypcrx \0\0\0\0"s}};
   for (const auto& [kind, begin] : kinds) {
     test::writeBytes(folder / "a.jpg", test::Bytes(begin.begin(), begin.end()));
     CHECK(foreignImageFormat(folder / "a.jpg") == kind);
     CHECK(!isImageFile(folder / "a.jpg"));
-    for (const auto& read : {std::function([&] { readImage(folder / "a.jpg"); }),
-                             std::function([&] { probeImage(folder / "a.jpg"); })}) {
+    for (const auto& read :
+         {std::function([&] { readImage(folder / "a.jpg"); }), std::function([&] { probeImage(folder / "a.jpg"); })}) {
       const Error error = test::errorOf(read);
       CHECK(error.code() == ErrorCode::unsupported);
       CHECK_THAT(error.what(), Catch::Contains("a.jpg") && Catch::Contains(kind) && Catch::Contains("convert"));

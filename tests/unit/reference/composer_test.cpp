@@ -50,8 +50,7 @@ struct Stage {
   }
 
   Composed compose(const Camera& view) const {
-    return Composer(photographs).compose(
-        view, [this](std::size_t i) -> const Image8& { return made.photographs[i]; });
+    return Composer(photographs).compose(view, [this](std::size_t i) -> const Image8& { return made.photographs[i]; });
   }
 
   SyntheticScene made;
@@ -128,8 +127,10 @@ TEST_CASE("moving, turning and scaling the world changes nothing") {
 TEST_CASE("the order of photographs and the number of threads change nothing") {
   Stage stage;
   const Composed before = stage.compose(kBetween);
-  const Composed threaded = Composer(stage.photographs, {.threads = 3})
-                                .compose(kBetween, [&](std::size_t i) -> const Image8& { return stage.made.photographs[i]; });
+  const Composed threaded =
+      Composer(stage.photographs, {.threads = 3}).compose(kBetween, [&](std::size_t i) -> const Image8& {
+        return stage.made.photographs[i];
+      });
   CHECK(threaded.picture == before.picture);
   std::ranges::reverse(stage.photographs);
   std::ranges::reverse(stage.made.photographs);
@@ -162,8 +163,7 @@ TEST_CASE("where no photograph looks nothing is shown, and infinitely far is a d
   Stage stage;
   const Composed behind = stage.compose(cameraAt({0, 0, 0}, 3.14159));
   CHECK(std::ranges::all_of(behind.picture.values, [](int v) { return v == 0; }));
-  for (ComposerPhotograph& one : stage.photographs)
-    std::ranges::fill(one.depth.inverseDepth.values, 0.0f);
+  for (ComposerPhotograph& one : stage.photographs) std::ranges::fill(one.depth.inverseDepth.values, 0.0f);
   const Composed far = stage.compose(kBetween);
   CHECK(std::ranges::all_of(far.inverseDepth.values, [](float w) { return w == 0; }));
   CHECK(std::ranges::count(far.picture.values, 0) == 0);
@@ -171,7 +171,9 @@ TEST_CASE("where no photograph looks nothing is shown, and infinitely far is a d
 
 TEST_CASE("tiers tell confirmed depth from completed depth") {
   Stage stage;
-  const auto tier = [](const Composed& composed) { return (255 - composed.picture.pixel(kWidth / 2, kHeight / 2)[3]) / 64; };
+  const auto tier = [](const Composed& composed) {
+    return (255 - composed.picture.pixel(kWidth / 2, kHeight / 2)[3]) / 64;
+  };
   CHECK(tier(stage.compose(kBetween)) == kTierAgrees);
   for (ComposerPhotograph& one : stage.photographs) std::ranges::fill(one.depth.confirmations.values, std::uint8_t(0));
   CHECK(tier(stage.compose(kBetween)) == kTierBackdrop);
@@ -201,6 +203,5 @@ TEST_CASE("photographs that cannot be composed are refused by number") {
   refusal([](ComposerPhotograph& p) { p.camera.intrinsics.model = CameraModel::equirectangular; });
   refusal([](ComposerPhotograph& p) { p.depth.confirmations = Image8(3, 3, 1); });
   refusal([](ComposerPhotograph& p) { p.depth.inverseDepth = {}; });
-  for (const double step : {0.0, -1.0, std::nan("")})
-    refusal([&](ComposerPhotograph& p) { p.depth.step = step; });
+  for (const double step : {0.0, -1.0, std::nan("")}) refusal([&](ComposerPhotograph& p) { p.depth.step = step; });
 }

@@ -8,9 +8,9 @@
 #include <random>
 
 #include "ibr/renderer.h"
-#include "render/plan/cell_alignment.h"
 #include "render/plan/alignment_fit.h"
 #include "render/plan/anchors.h"
+#include "render/plan/cell_alignment.h"
 #include "render/plan/correction.h"
 #include "render/plan/culling.h"
 #include "scene/synth/synthetic.h"

@@ -13,8 +13,8 @@
 
 #include "ibr/error.h"
 #include "ibr/renderer.h"
-#include "render/plan/cell_order.h"
 #include "render/passes/steps.h"
+#include "render/plan/cell_order.h"
 
 using namespace ibr;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// N16 of NUMERICS §3 for planning: whatever number a caller hands over, a plan is finite or an Error names what is wrong.
+// N16 of NUMERICS §3 for planning: whatever number a caller hands over, a plan is finite or an Error names what is
+// wrong.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -47,9 +48,9 @@ bool finite(const PlannedCell& cell) {
 
 bool finite(const FramePlan& plan) {
   bool all = std::isfinite(plan.formerWeight) && finite(plan.exposure) && std::isfinite(plan.nearDistance) &&
-             std::isfinite(plan.colour.mainShare) && std::isfinite(plan.colour.share) &&
-             plan.colour.largestStep >= 0 && std::isfinite(plan.next.secondsSinceSwitch) &&
-             std::isfinite(plan.next.colourFade) && (!plan.next.exposure || finite(*plan.next.exposure));
+             std::isfinite(plan.colour.mainShare) && std::isfinite(plan.colour.share) && plan.colour.largestStep >= 0 &&
+             std::isfinite(plan.next.secondsSinceSwitch) && std::isfinite(plan.next.colourFade) &&
+             (!plan.next.exposure || finite(*plan.next.exposure));
   for (const PlannedCell& cell : plan.cells) all = all && finite(cell);
   for (const PlannedCell& cell : plan.former) all = all && finite(cell);
   for (const ShownMesh& mesh : plan.next.cells) all = all && mesh.opacity >= 0 && mesh.opacity <= 1;

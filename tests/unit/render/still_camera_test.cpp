@@ -59,10 +59,10 @@ Scene randomScene(Random& random) {
       for (int d = 0; d < directions; ++d) {
         Node node;
         node.name = fmt::format("{}-{}-{}", x, y, d);
-        node.camera = cameraAt({x + uniform(random, -jitter, jitter), uniform(random, -jitter, jitter),
-                                y + uniform(random, -jitter, jitter)},
-                               2 * kPi * d / directions + uniform(random, -jitter, jitter),
-                               uniform(random, -jitter, jitter));
+        node.camera =
+            cameraAt({x + uniform(random, -jitter, jitter), uniform(random, -jitter, jitter),
+                      y + uniform(random, -jitter, jitter)},
+                     2 * kPi * d / directions + uniform(random, -jitter, jitter), uniform(random, -jitter, jitter));
         scene.nodes.push_back(node);
       }
   const auto node = [&](int x, int y, int d) { return std::uint32_t((y * side + x) * directions + d % directions); };

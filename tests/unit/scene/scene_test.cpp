@@ -84,11 +84,26 @@ TEST_CASE("each fault of a scene is named", "[P2]") {
       {"cells[0].mesh.uncertainty", [](Scene& s) { s.cells[0].mesh.uncertainty.clear(); }},
       {"cells[0].mesh.uncertainty[1]", [](Scene& s) { s.cells[0].mesh.uncertainty[1] = kInfinity; }},
       {"cells[0].mesh.triangles[4]", [](Scene& s) { s.cells[0].mesh.triangles[4].y = 1000; }},
-      {"cells[0].mesh.planes", [](Scene& s) { s.cells[0].mesh.planes = {{1, 2, 0, 0}}; }},
-      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {2, 2, 0, 0}; }},
-      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {3, 2, 0, 0}; }},
-      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {1, 0, 2, 0}; }},
-      {"cells[0].mesh.planes[1]", [](Scene& s) { planesOf(s)[1] = {0, 1, 0, 0}; }},
+      {"cells[0].mesh.planes",
+       [](Scene& s) {
+         s.cells[0].mesh.planes = {{1, 2, 0, 0}};
+       }},
+      {"cells[0].mesh.planes[1]",
+       [](Scene& s) {
+         planesOf(s)[1] = {2, 2, 0, 0};
+       }},
+      {"cells[0].mesh.planes[1]",
+       [](Scene& s) {
+         planesOf(s)[1] = {3, 2, 0, 0};
+       }},
+      {"cells[0].mesh.planes[1]",
+       [](Scene& s) {
+         planesOf(s)[1] = {1, 0, 2, 0};
+       }},
+      {"cells[0].mesh.planes[1]",
+       [](Scene& s) {
+         planesOf(s)[1] = {0, 1, 0, 0};
+       }},
       {"cells[0].mesh.tier", [](Scene& s) { s.cells[0].mesh.tier.pop_back(); }},
       {"cells[0].mesh.tier[0]", [](Scene& s) { s.cells[0].mesh.tier[0] = 2; }},
       {"cells[0].mesh.tier[1]", [](Scene& s) { s.cells[0].mesh.tier[0] = kTierRejected; }},

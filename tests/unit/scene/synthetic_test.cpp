@@ -269,8 +269,7 @@ TEST_CASE("a generated scene of any number is refused, or its pictures and meshe
       changed([&](TexturedPlane& plane) { plane.u[c] = value; });
       changed([&](TexturedPlane& plane) { plane.v[c] = value; });
     }
-    for (double TexturedPlane::* field :
-         {&TexturedPlane::extentU, &TexturedPlane::extentV, &TexturedPlane::wavelength})
+    for (double TexturedPlane::*field : {&TexturedPlane::extentU, &TexturedPlane::extentV, &TexturedPlane::wavelength})
       changed([&](TexturedPlane& plane) { plane.*field = value; });
     SyntheticOptions options = twoPlanes();
     options.surfaceStep = value;

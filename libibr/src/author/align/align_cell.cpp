@@ -8,15 +8,15 @@
 #include <limits>
 
 #include "author/align/alignment_grid.h"
+#include "author/align/range_again.h"
 #include "author/geometry/epipolar_direction.h"
-#include "author/mesh/label.h"
-#include "author/photographs/masks.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/mesh_signs.h"
-#include "author/pixels/resize.h"
 #include "author/geometry/posed_model.h"
-#include "author/align/range_again.h"
+#include "author/mesh/label.h"
 #include "author/mesh/uncertainty.h"
+#include "author/photographs/masks.h"
+#include "author/pixels/resize.h"
 
 namespace ibr {
 namespace aligning {
@@ -143,7 +143,7 @@ RangeFit PictureAlignment::range(std::size_t point, const Match& match) const {
 }
 
 RangeFit PictureAlignment::range(std::size_t point, const Match& match, std::span<const RangeFit> range,
-                              const InsertedPoint& from) const {
+                                 const InsertedPoint& from) const {
   double mean = 0, least = 0, most = 0;
   for (int k = 0; k < 3; ++k) {
     const RangeFit& parent = range[from.parent[k]];

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "author/align/alignment_grid.h"
-#include "author/match/match.h"
 #include "author/align/range_again.h"
+#include "author/match/match.h"
 #include "ibr/optimise_scene.h"
 
 namespace ibr {
@@ -85,7 +85,8 @@ class PictureAlignment {
   RangeFit range(std::size_t point, const Match& match) const;
   /// Of a point that was inserted: its inverse depth should be that between its parents, or near one of theirs.
   /// `range`: of all points before it.
-  RangeFit range(std::size_t point, const Match& match, std::span<const RangeFit> range, const InsertedPoint& from) const;
+  RangeFit range(std::size_t point, const Match& match, std::span<const RangeFit> range,
+                 const InsertedPoint& from) const;
   const RangeFit& before(std::size_t point) const { return ranges_.before(point); }
   double level() const { return ranges_.level(); }
 

@@ -7,8 +7,8 @@
 #include <glm/matrix.hpp>
 
 #include "author/align/align_cell.h"
-#include "author/panorama/panorama_faces.h"
 #include "author/geometry/posed_model.h"
+#include "author/panorama/panorama_faces.h"
 
 namespace ibr {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "author/align/aligned_cache.h"
 #include "author/jobs/kept_file.h"
-#include "author/photographs/masks.h"
-#include "base/parallel.h"
 #include "author/jobs/shared_file.h"
+#include "author/photographs/masks.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "io/image_file.h"
 

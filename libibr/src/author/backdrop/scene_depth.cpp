@@ -50,8 +50,7 @@ ImageF depthInCell(const Cell& cell, std::size_t member, const Camera& photograp
   for (std::size_t p = 0; p < vertices.size(); ++p) {
     const glm::dvec3 direction = toFace * unproject(photograph.intrinsics, glm::dvec2(mesh.match[member][p]));
     const auto pixel = direction.z < -kBeside ? project(face.intrinsics, direction) : std::nullopt;
-    if (pixel)
-      vertices[p] = {*pixel, double(mesh.inverseDistance[p]) / (double(mesh.ratio[member][p]) * -direction.z)};
+    if (pixel) vertices[p] = {*pixel, double(mesh.inverseDistance[p]) / (double(mesh.ratio[member][p]) * -direction.z)};
   }
   ImageF depth(face.intrinsics.width, face.intrinsics.height, 1, kUnknownDepth);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -60,8 +59,8 @@ ImageF depthInCell(const Cell& cell, std::size_t member, const Camera& photograp
       continue;
     forPixelsIn(at(0).pixel, at(1).pixel, at(2).pixel, depth.width, depth.height,
                 [&](int x, int y, const glm::dvec3& weights) {
-                  const double w = weights.x * at(0).inverseDepth + weights.y * at(1).inverseDepth +
-                                   weights.z * at(2).inverseDepth;
+                  const double w =
+                      weights.x * at(0).inverseDepth + weights.y * at(1).inverseDepth + weights.z * at(2).inverseDepth;
                   float& value = depth.pixel(x, y)[0];
                   value = std::max(value, float(std::max(w, 0.0)));
                 });
@@ -100,8 +99,8 @@ ImageF depthInScene(const Scene& scene, std::uint32_t node, glm::ivec2 size) {
   for (const Cell& cell : scene.cells) {
     const auto found = std::find(cell.members.begin(), cell.members.end(), node);
     if (found != cell.members.end())
-      maps.push_back(depthInCell(cell, std::size_t(found - cell.members.begin()), scene.nodes[node].camera.intrinsics,
-                                 size));
+      maps.push_back(
+          depthInCell(cell, std::size_t(found - cell.members.begin()), scene.nodes[node].camera.intrinsics, size));
   }
   return maps.empty() ? ImageF(size.x, size.y, 1, kUnknownDepth) : medianDepth(maps);
 }

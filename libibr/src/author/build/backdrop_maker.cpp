@@ -5,11 +5,11 @@
 #include <glm/geometric.hpp>
 
 #include "author/backdrop/backdrop.h"
-#include "author/build/cell_cache.h"
-#include "author/pixels/resize.h"
-#include "author/geometry/posed_model.h"
 #include "author/backdrop/scene_depth.h"
+#include "author/build/cell_cache.h"
+#include "author/geometry/posed_model.h"
 #include "author/geometry/simplex.h"
+#include "author/pixels/resize.h"
 #include "base/stopwatch.h"
 
 namespace ibr {

@@ -22,8 +22,8 @@ double perPixel(TextureFormat format) {
 
 double cellSeconds(const CellWork& cell) {
   const double m = double(cell.members);
-  return 1e-9 * (kRead * cell.readPixels +
-                 cell.pixels * (kOnce + kMember * m + cell.levels * (kLevel + kLevelMember * m)));
+  return 1e-9 *
+         (kRead * cell.readPixels + cell.pixels * (kOnce + kMember * m + cell.levels * (kLevel + kLevelMember * m)));
 }
 
 }  // namespace
@@ -37,8 +37,8 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     stages.push_back({stage, seconds * speed.processor, speed.passing * std::max(seconds / side, longest)});
   };
   const double photographs = double(std::max<std::size_t>(work.photographs, 1));
-  const double storing = 1e-9 * (kRead * work.readPixels + perPixel(texture) * work.storedPixels +
-                                 kEncode * work.encodedPixels);
+  const double storing =
+      1e-9 * (kRead * work.readPixels + perPixel(texture) * work.storedPixels + kEncode * work.encodedPixels);
   add("storing photographs", storing, threads.storing, storing / photographs);
   add("finding features", 1e-9 * kFeatures * work.featurePixels, threads.features, 0);
   add("matching features", kPair * double(work.pairs), threads.features, 0);
@@ -56,9 +56,8 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
         kSolvingShare * kExposurePair * pairs);
   }
-  const double backdrops = double(work.backdrops) > 0
-                               ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels)
-                               : 0;
+  const double backdrops =
+      double(work.backdrops) > 0 ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels) : 0;
   add("completing backdrops", backdrops, threads.backdrops, backdrops / std::max(double(work.backdrops), 1.0));
   return stages;
 }

@@ -2,8 +2,8 @@
 // What a build will take, before it begins: a model of its stages' costs, whose constants were measured on one machine,
 // times how fast this one does a little of the same work right now (machine_speed.h).
 //
-// Matching a cell is by far the most of it. Of its frame of P px, swept over L levels at a quarter of the pixels, with m
-// members: P·(a + b·m) for what is done once a pixel, P·L·(c + d·m) for the sweep and the semi-global paths.
+// Matching a cell is by far the most of it. Of its frame of P px, swept over L levels at a quarter of the pixels, with
+// m members: P·(a + b·m) for what is done once a pixel, P·L·(c + d·m) for the sweep and the semi-global paths.
 #pragma once
 
 #include <cstddef>
@@ -27,15 +27,16 @@ struct CellWork {
 /// All that a build has to do. Pixels are summed over photographs.
 struct BuildWork {
   std::size_t photographs = 0;
-  double readPixels = 0;      // of the files
-  double storedPixels = 0;    // of which textures are made
-  double encodedPixels = 0;   // of pictures that are written anew, not copied
-  double featurePixels = 0;   // in which features are looked for
-  std::size_t pairs = 0;      // whose features are matched
-  double judgedPixels = 0, judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
+  double readPixels = 0;     // of the files
+  double storedPixels = 0;   // of which textures are made
+  double encodedPixels = 0;  // of pictures that are written anew, not copied
+  double featurePixels = 0;  // in which features are looked for
+  std::size_t pairs = 0;     // whose features are matched
+  double judgedPixels = 0,
+         judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
   std::vector<CellWork> cells;
-  bool exposures = false;     // are compared
-  double refinedBy = 0;       // observations by which poses are refined; 0: they are not
+  bool exposures = false;  // are compared
+  double refinedBy = 0;    // observations by which poses are refined; 0: they are not
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
 };

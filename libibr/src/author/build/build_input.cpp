@@ -12,10 +12,10 @@
 #include <set>
 #include <string>
 
+#include "author/geometry/posed_model.h"
 #include "author/graph/cells.h"
 #include "author/photographs/masks.h"
 #include "author/photographs/picture_folder.h"
-#include "author/geometry/posed_model.h"
 #include "author/poses/read_poses.h"
 #include "base/check.h"
 #include "base/file.h"
@@ -109,11 +109,12 @@ void settleOrientations(const PosedModel& model, const BuildOptions& options, st
       photographs[i] = findPhotograph(options.photographs, model.images[i], options.maxSize, Orientation::exif);
   if (log)
     log(LogLevel::warning,
-        fmt::format("{} of {} photographs are turned by EXIF, and their cameras fit both ways ({}{}): they are taken {}. "
-                    "If pictures come out turned: --orientation {}",
-                    unsure.size(), photographs.size(), photographs[unsure[0]].name, unsure.size() > 1 ? ", …" : "",
-                    turned ? "turned upright, as others of the set are" : "as they are stored, which is COLMAP's way",
-                    turned ? "stored" : "exif"));
+        fmt::format(
+            "{} of {} photographs are turned by EXIF, and their cameras fit both ways ({}{}): they are taken {}. "
+            "If pictures come out turned: --orientation {}",
+            unsure.size(), photographs.size(), photographs[unsure[0]].name, unsure.size() > 1 ? ", …" : "",
+            turned ? "turned upright, as others of the set are" : "as they are stored, which is COLMAP's way",
+            turned ? "stored" : "exif"));
 }
 
 // "a.tif" is stored as "a.tif.png".
@@ -187,8 +188,7 @@ BuildInput readInput(const BuildOptions& options, const LogCallback& log) {
   input.model = readPoses(options, log);
   input.unknown = unknownTo(input.model, options);
   removeImages(input.model, toLeaveOut(input.model, options));
-  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left",
-        posesFile(options).string());
+  check(!input.model.images.empty(), ErrorCode::invalidInput, "{}: no image is left", posesFile(options).string());
   findPhotographs(input, options);
   settleOrientations(input.model, options, input.photographs, log);
   checkStoredNames(input.photographs);

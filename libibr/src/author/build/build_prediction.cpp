@@ -14,10 +14,10 @@
 #include "author/build/find_movers.h"
 #include "author/build/machine_speed.h"
 #include "author/build/own_tracks.h"
-#include "base/parallel.h"
-#include "author/photographs/picture_folder.h"
 #include "author/geometry/posed_model.h"
+#include "author/photographs/picture_folder.h"
 #include "base/check.h"
+#include "base/parallel.h"
 #include "base/usage.h"
 #include "io/image_file.h"
 
@@ -29,7 +29,7 @@ constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
 constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
 constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
-constexpr double kSeenInCells = 700;                         // observations of dense tracks, for each photograph
+constexpr double kSeenInCells = 700;               // observations of dense tracks, for each photograph
 constexpr double kProgram = 60e6;                  // of memory, whatever the work
 
 double pixelsOf(const Intrinsics& k) {
@@ -65,7 +65,8 @@ double bytesBelow(const fs::path& folder) {
 // By what an earlier build of this scene left, which is taken over or replaced.
 double heldAlready(const BuildOptions& options) {
   double bytes = 0;
-  for (const char* part : {"cells", "images", "textures", "masks", ".build"}) bytes += bytesBelow(options.output / part);
+  for (const char* part : {"cells", "images", "textures", "masks", ".build"})
+    bytes += bytesBelow(options.output / part);
   return bytes;
 }
 
@@ -250,8 +251,8 @@ void checkRoom(const BuildPrediction& prediction, const BuildOptions& options, c
         options.output.string(), text(prediction.disk), text(prediction.diskFree));
   if (!log) return;
   if (prediction.diskFree > 0 && prediction.disk > prediction.diskFree)
-    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, there are {}",
-                                       text(prediction.disk), text(prediction.diskFree)));
+    log(LogLevel::warning, fmt::format("the disk may not do: about {} are needed, there are {}", text(prediction.disk),
+                                       text(prediction.diskFree)));
   if (prediction.memory > prediction.memoryAllowed)
     log(LogLevel::warning,
         fmt::format("up to {} of memory are needed even one job at a time, more than the {} that are allowed: "

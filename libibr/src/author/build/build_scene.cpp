@@ -8,24 +8,24 @@
 #include <optional>
 
 #include "author/build/backdrop_maker.h"
-#include "author/photographs/border.h"
 #include "author/build/build_input.h"
-#include "author/jobs/build_jobs.h"
 #include "author/build/build_prediction.h"
 #include "author/build/cell_maker.h"
-#include "author/graph/cells.h"
-#include "author/exposure/exposure.h"
 #include "author/build/find_movers.h"
-#include "author/jobs/kept_file.h"
-#include "author/photographs/masks.h"
 #include "author/build/own_tracks.h"
+#include "author/build/pose_rounds.h"
+#include "author/exposure/exposure.h"
+#include "author/exposure/vignetting.h"
+#include "author/geometry/posed_model.h"
+#include "author/graph/cells.h"
+#include "author/jobs/build_jobs.h"
+#include "author/jobs/kept_file.h"
+#include "author/match/plane_labels.h"
+#include "author/photographs/border.h"
+#include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
 #include "author/photographs/picture_folder.h"
-#include "author/match/plane_labels.h"
-#include "author/geometry/posed_model.h"
 #include "author/poses/read_poses.h"
-#include "author/build/pose_rounds.h"
-#include "author/exposure/vignetting.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "base/stopwatch.h"
@@ -106,8 +106,7 @@ class Builder {
     input_.hashes.resize(input_.photographs.size());
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, photo.sourcePixels + bytesToLoad(photo));
-    jobs_.runAll("reading photographs", input_.photographs.size(), bytes,
-                 [&](std::size_t i) {
+    jobs_.runAll("reading photographs", input_.photographs.size(), bytes, [&](std::size_t i) {
       Photograph& photo = input_.photographs[i];
       input_.hashes[i] = hashPhotograph(photo);
       if (photo.mask.empty()) return;
@@ -223,8 +222,8 @@ class Builder {
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
         input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
         options_.keepBorder, methodName(options_.matcher),
-        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous",
-        options_.matchExposures, options_.fitVignetting, options_.refinePoses, options_.removeMovers);
+        options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous", options_.matchExposures,
+        options_.fitVignetting, options_.refinePoses, options_.removeMovers);
   }
 
   void planCells() {
@@ -254,7 +253,8 @@ class Builder {
         kept += bytesKept(work) / double(wanted.size());
         most = std::max(most, bytesToMake(work));
       }
-      jobs_.runAll(stage, wanted.size(), most, [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
+      jobs_.runAll(
+          stage, wanted.size(), most, [&](std::size_t c) { made[c] = maker.make(wanted[c]); }, kept);
       std::vector<CellMembers> failed;
       for (std::size_t c = 0; c < wanted.size(); ++c)
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
@@ -293,9 +293,8 @@ class Builder {
     }
     quality.score = planner_->score(members) * quality.coverage * std::max(quality.ecc, 0.0);
     report_.cells.push_back({namesOf(members), cell.mesh.pointCount(), cell.mesh.triangles.size(),
-                             cell.mesh.tier0Count(), quality, made.seconds, made.processorSeconds,
-                             made.resumed, made.matcher,
-                             homogeneousShare(cell.mesh)});
+                             cell.mesh.tier0Count(), quality, made.seconds, made.processorSeconds, made.resumed,
+                             made.matcher, homogeneousShare(cell.mesh)});
     scene_.cells.push_back(std::move(cell));
     keys_.push_back(made.key);
     return true;

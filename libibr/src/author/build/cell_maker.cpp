@@ -6,16 +6,16 @@
 #include <glm/vec3.hpp>
 
 #include "author/build/cell_cache.h"
-#include "author/poses/local_adjust.h"
-#include "author/photographs/masks.h"
-#include "author/match/matcher_choice.h"
 #include "author/geometry/mean_frame.h"
-#include "author/panorama/panorama_cell.h"
-#include "author/pixels/resize.h"
 #include "author/geometry/posed_model.h"
+#include "author/match/matcher_choice.h"
 #include "author/match/refine_full.h"
-#include "author/sweep/sweep_levels.h"
 #include "author/match/vertices.h"
+#include "author/panorama/panorama_cell.h"
+#include "author/photographs/masks.h"
+#include "author/pixels/resize.h"
+#include "author/poses/local_adjust.h"
+#include "author/sweep/sweep_levels.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
 #include "base/usage.h"
@@ -23,7 +23,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 13;   // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 13;  // of the cells' making: raise it when they come out differently
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 
@@ -41,8 +41,7 @@ struct SharedPoints {
 
 SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32_t>& members) {
   std::vector<std::uint32_t> tracks;
-  for (const std::uint32_t i : members)
-    tracks.insert(tracks.end(), input.tracksOf[i].begin(), input.tracksOf[i].end());
+  for (const std::uint32_t i : members) tracks.insert(tracks.end(), input.tracksOf[i].begin(), input.tracksOf[i].end());
   std::sort(tracks.begin(), tracks.end());
   SharedPoints shared;
   std::vector<glm::dvec3> all, some;
@@ -118,7 +117,8 @@ CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_
                          const std::vector<glm::dvec3>& points) {
   std::vector<PanoramaView> views;
   for (const std::uint32_t i : members)
-    views.push_back({input.photographs[i].camera, loadPhotograph(input.photographs[i]), storedMask(input.photographs[i])});
+    views.push_back(
+        {input.photographs[i].camera, loadPhotograph(input.photographs[i]), storedMask(input.photographs[i])});
   return panoramaCell(views, points, {input.refine});
 }
 
@@ -158,8 +158,8 @@ MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
     return {std::move(*kept), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
   MadeCell made{{}, 0, 0, false, key, planned.match.matcher};
   try {
-    made.cell = panoramic ? cellOfPanoramas(input_, members, planned.points)
-                          : pinholeCell(input_, options_, members, planned);
+    made.cell =
+        panoramic ? cellOfPanoramas(input_, members, planned.points) : pinholeCell(input_, options_, members, planned);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalidInput) throw;
     std::string names;

@@ -23,8 +23,8 @@ struct MadeCell {
   MatchMethod matcher = MatchMethod::sweep;
 };
 
-/// A photograph at the size at which it is matched. Where that is smaller than the photograph, `whole` gets all of it in
-/// grey, if it is wanted.
+/// A photograph at the size at which it is matched. Where that is smaller than the photograph, `whole` gets all of it
+/// in grey, if it is wanted.
 MatchView viewOf(const Photograph& photograph, Image8* whole = nullptr);
 
 /// At the size that is matched. Where poses are so far off that matching would fail they are adjusted: below that, what

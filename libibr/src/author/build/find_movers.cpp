@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "author/build/cell_maker.h"
-#include "author/photographs/masks.h"
-#include "author/movers/movers.h"
 #include "author/geometry/posed_model.h"
+#include "author/movers/movers.h"
 #include "author/movers/settle_movers.h"
+#include "author/photographs/masks.h"
 
 namespace ibr {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "author/pixels/bit_mask.h"
 #include "author/build/build_input.h"
 #include "author/jobs/build_jobs.h"
+#include "author/pixels/bit_mask.h"
 #include "ibr/author.h"
 #include "ibr/image.h"
 

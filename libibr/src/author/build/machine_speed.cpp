@@ -14,8 +14,8 @@ namespace ibr {
 namespace {
 
 constexpr double kReferenceSeconds = 0.0151;  // processor time of one match, on the machine of the constants
-constexpr double kLongEnough = 0.25;         // s
-constexpr std::size_t kLeast = 2;            // matches a thread; the first one also warms caches
+constexpr double kLongEnough = 0.25;          // s
+constexpr std::size_t kLeast = 2;             // matches a thread; the first one also warms caches
 
 struct Pair {
   std::vector<MatchView> views;
@@ -26,7 +26,8 @@ Pair generatedPair() {
   SyntheticOptions options;
   const Intrinsics k = pinholeFromFov(160, 120, 0.8);
   options.cameras = {{k, {{-0.2, 0, 0}, {1, 0, 0, 0}}}, {k, {{0.2, 0, 0}, {1, 0, 0, 0}}}};
-  options.planes = {{{0, 0, -4}, {1, 0, 0}, {0, 1, 0}, 8, 6, 1, 0.1}, {{0.3, 0, -3}, {1, 0, 0}, {0, 1, 0}, 1, 1, 2, 0.1}};
+  options.planes = {{{0, 0, -4}, {1, 0, 0}, {0, 1, 0}, 8, 6, 1, 0.1},
+                    {{0.3, 0, -3}, {1, 0, 0}, {0, 1, 0}, 1, 1, 2, 0.1}};
   options.gridStep = 160;  // its mesh is not used
   options.samplesPerAxis = 1;
   SyntheticScene scene = makeScene(options);

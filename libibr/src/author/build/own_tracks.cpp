@@ -47,16 +47,16 @@ void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJob
   }
   const bool none = input.model.tracks.empty();
   PosedModel found{input.model.images, {}};
-  found.tracks = makeTracks(
-      input.model, pairs, own, [&](std::string_view stage, std::size_t count, double bytesEach,
-                                   const std::function<void(std::size_t)>& job) {
-        jobs.runAll(stage, count, bytesEach, job);
-      });
+  found.tracks =
+      makeTracks(input.model, pairs, own,
+                 [&](std::string_view stage, std::size_t count, double bytesEach,
+                     const std::function<void(std::size_t)>& job) { jobs.runAll(stage, count, bytesEach, job); });
   const double error = reprojectionError(found);
   if (log)
-    log(LogLevel::info, fmt::format("{} pairs of photographs have few tracks or none: found {} of our own, {:.2f} px off "
-                                    "their points (median)",
-                                    pairs.size(), found.tracks.size(), error));
+    log(LogLevel::info,
+        fmt::format("{} pairs of photographs have few tracks or none: found {} of our own, {:.2f} px off "
+                    "their points (median)",
+                    pairs.size(), found.tracks.size(), error));
   input.model.tracks.insert(input.model.tracks.end(), std::make_move_iterator(found.tracks.begin()),
                             std::make_move_iterator(found.tracks.end()));
   input.tracksOf = tracksOfImages(input.model);

@@ -8,11 +8,11 @@
 #include <optional>
 #include <span>
 
-#include "author/poses/bundle_adjust.h"
-#include "author/poses/cross_validation.h"
 #include "author/build/dense_tracks.h"
 #include "author/geometry/posed_model.h"
 #include "author/geometry/similarity.h"
+#include "author/poses/bundle_adjust.h"
+#include "author/poses/cross_validation.h"
 
 namespace ibr {
 namespace {

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "author/backdrop/backdrop.h"
-#include "image/bilinear.h"
 #include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
 #include "author/eval/exposed_picture.h"
 #include "author/eval/lumigraph.h"
 #include "author/geometry/posed_model.h"
-#include "scene/reprojection.h"
-#include "author/backdrop/scene_depth.h"
 #include "base/check.h"
+#include "image/bilinear.h"
 #include "io/image_file.h"
+#include "scene/reprojection.h"
 
 namespace ibr {
 namespace {
@@ -155,7 +155,8 @@ struct Baselines::State {
   }
 
   // The weighted sum of photographs on one plane, of those that see it.
-  Image8 onPlane(const Camera& view, double inverseDepth, const std::vector<std::pair<std::uint32_t, double>>& weights) {
+  Image8 onPlane(const Camera& view, double inverseDepth,
+                 const std::vector<std::pair<std::uint32_t, double>>& weights) {
     const int width = view.intrinsics.width, height = view.intrinsics.height;
     ImageF sum(width, height, 4);  // colours and weight
     for (const auto& [node, weight] : weights) {
@@ -178,7 +179,8 @@ struct Baselines::State {
     for (std::size_t at = 0; at < result.values.size(); at += 4) {
       const float weight = sum.values[at + 3];
       if (!(weight > 0)) continue;
-      for (std::size_t c = 0; c < 3; ++c) result.values[at + c] = std::uint8_t(std::lround(sum.values[at + c] / weight));
+      for (std::size_t c = 0; c < 3; ++c)
+        result.values[at + c] = std::uint8_t(std::lround(sum.values[at + c] / weight));
       result.values[at + 3] = 255;
     }
     return result;
@@ -218,12 +220,11 @@ struct Baselines::State {
     const std::vector<std::uint32_t> chosen = candidates(view);
     std::vector<const DepthMap*> maps;
     for (const std::uint32_t node : chosen) maps.push_back(&completed(node));
-    const double scale =
-        std::min(1.0, double(kProxySide) / std::max(view.intrinsics.width, view.intrinsics.height));
-    const Camera small = scaledCamera(view, {std::max(1, int(view.intrinsics.width * scale)),
-                                             std::max(1, int(view.intrinsics.height * scale))});
-    LumigraphPicture picture(
-        view, proxyDepth(small, std::span(maps).first(std::min(maps.size(), kProxyMaps)), threads), {.threads = threads});
+    const double scale = std::min(1.0, double(kProxySide) / std::max(view.intrinsics.width, view.intrinsics.height));
+    const Camera small = scaledCamera(
+        view, {std::max(1, int(view.intrinsics.width * scale)), std::max(1, int(view.intrinsics.height * scale))});
+    LumigraphPicture picture(view, proxyDepth(small, std::span(maps).first(std::min(maps.size(), kProxyMaps)), threads),
+                             {.threads = threads});
     for (std::size_t i = 0; i < chosen.size(); ++i)
       picture.add(scene.nodes[chosen[i]].camera, shown(chosen[i]), *maps[i]);
     return picture.picture();

@@ -8,18 +8,18 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "image/bilinear.h"
+#include "author/geometry/posed_model.h"
 #include "author/jobs/build_jobs.h"
 #include "author/match/matcher_choice.h"
+#include "author/match/plane_labels.h"
 #include "author/mesh/mesh.h"
 #include "author/pixels/resize.h"
-#include "author/match/plane_labels.h"
-#include "author/geometry/posed_model.h"
-#include "image/raster.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/accuracy.h"
 #include "ibr/matchers.h"
+#include "image/bilinear.h"
+#include "image/raster.h"
 #include "io/image_file.h"
 
 namespace fs = std::filesystem;
@@ -49,8 +49,7 @@ Image8 readSmall(const fs::path& file, int maxSize) {
   Image8 rgb(picture.width, picture.height, 3);
   for (std::size_t p = 0; p < rgb.values.size() / 3; ++p)
     for (std::size_t c = 0; c < 3; ++c)
-      rgb.values[3 * p + c] =
-          picture.values[std::size_t(picture.channels) * p + (picture.channels >= 3 ? c : 0)];
+      rgb.values[3 * p + c] = picture.values[std::size_t(picture.channels) * p + (picture.channels >= 3 ? c : 0)];
   const int longest = std::max(rgb.width, rgb.height);
   if (maxSize == 0 || longest <= maxSize) return rgb;
   return shrunk(rgb, std::max(1, rgb.width * maxSize / longest), std::max(1, rgb.height * maxSize / longest));
@@ -187,9 +186,8 @@ Warped warpedToFirst(const Subject& subject, const MorphMesh& mesh) {
       result.pixel.emplace_back(x, y);
       for (std::size_t i = 0; i < d; ++i) {
         const std::vector<glm::vec2>& m = mesh.match[i];
-        result.colour[i].emplace_back(bilinear(subject.views[i].picture, w.x * glm::dvec2(m[v.x]) +
-                                                                         w.y * glm::dvec2(m[v.y]) +
-                                                                         w.z * glm::dvec2(m[v.z])));
+        result.colour[i].emplace_back(bilinear(
+            subject.views[i].picture, w.x * glm::dvec2(m[v.x]) + w.y * glm::dvec2(m[v.y]) + w.z * glm::dvec2(m[v.z])));
       }
     });
   }
@@ -215,9 +213,9 @@ double compensatedPsnr(const std::vector<glm::vec3>& a, const std::vector<glm::v
 }
 
 double shareWithin(const std::vector<double>& errors, double limit) {
-  return errors.empty() ? kNan
-                        : double(std::ranges::count_if(errors, [&](double e) { return e <= limit; })) /
-                              double(errors.size());
+  return errors.empty()
+             ? kNan
+             : double(std::ranges::count_if(errors, [&](double e) { return e <= limit; })) / double(errors.size());
 }
 
 MatchScore scoreOf(const MatchCase& which, const Subject& subject, const PairTruth& truth, const CellMesh& cell) {

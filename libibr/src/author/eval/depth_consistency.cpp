@@ -16,10 +16,10 @@ namespace {
 
 // GEOMETRY, "Depth of a photograph", 1 and 4.
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kLeastParallax = 1.5 * kDegree;  // of a witness
+constexpr double kLeastParallax = 1.5 * kDegree;                                            // of a witness
 constexpr double kBestParallax = 6 * kDegree, kNarrow = 3 * kDegree, kWide = 12 * kDegree;  // Gaussian, σ either side
-constexpr double kShareTolerance = 0.004;  // of ρ
-constexpr int kGrid = 16;                  // places a side by which sources are chosen
+constexpr double kShareTolerance = 0.004;                                                   // of ρ
+constexpr int kGrid = 16;  // places a side by which sources are chosen
 
 double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
@@ -143,9 +143,7 @@ class Consistency {
 
 std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources, int threads) {
   Consistency run(depths, sources);
-  const auto each = [&](auto&& job) {
-    runJobs(depths.size(), threads, job, [](std::size_t) { return true; });
-  };
+  const auto each = [&](auto&& job) { runJobs(depths.size(), threads, job, [](std::size_t) { return true; }); };
   each([&](std::size_t i) { run.chooseSources(i); });
   each([&](std::size_t i) { run.confirm(i); });
   each([&](std::size_t i) { run.contradict(i); });

@@ -7,8 +7,8 @@
 #include <glm/matrix.hpp>
 #include <set>
 
-#include "base/parallel.h"
 #include "base/check.h"
+#include "base/parallel.h"
 
 namespace ibr {
 namespace {

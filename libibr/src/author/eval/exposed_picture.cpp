@@ -16,8 +16,7 @@ Image8 exposedPicture(Image8 picture, glm::dvec3 gain) {
       const auto pixel = picture.pixel(x, y);
       const shader::vec3 shown =
           255.0f * shader::exposedColour(shader::vec3(pixel[0], pixel[1], pixel[2]) / 255.0f, gains, slopes);
-      for (int c = 0; c < 3; ++c)
-        pixel[std::size_t(c)] = std::uint8_t(std::lround(std::clamp(shown[c], 0.0f, 255.0f)));
+      for (int c = 0; c < 3; ++c) pixel[std::size_t(c)] = std::uint8_t(std::lround(std::clamp(shown[c], 0.0f, 255.0f)));
     }
   return picture;
 }

@@ -8,8 +8,8 @@
 
 namespace ibr {
 
-/// The picture as a renderer shows it with this gain: R, G, B of linear light, > 0 (shared/cell.h). Further channels are
-/// kept. Precondition: 3 channels or more.
+/// The picture as a renderer shows it with this gain: R, G, B of linear light, > 0 (shared/cell.h). Further channels
+/// are kept. Precondition: 3 channels or more.
 Image8 exposedPicture(Image8 picture, glm::dvec3 gain);
 
 }  // namespace ibr

@@ -7,20 +7,20 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "image/bilinear.h"
 #include "author/backdrop/complete_depth.h"
-#include "base/parallel.h"
 #include "author/geometry/posed_model.h"
+#include "base/parallel.h"
+#include "image/bilinear.h"
 #include "image/raster.h"
 #include "scene/reprojection.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kLongestStretch = 4;    // of a map's pixel in the view, over its size there without parallax
-constexpr double kSameDepth = 0.04;      // of inverse depth: two maps see the same surface; or …
-constexpr double kSameFar = 0.02;        // … of the view's median inverse depth
-constexpr double kHidden = 100;          // added to the penalty, radians
+constexpr double kLongestStretch = 4;      // of a map's pixel in the view, over its size there without parallax
+constexpr double kSameDepth = 0.04;        // of inverse depth: two maps see the same surface; or …
+constexpr double kSameFar = 0.02;          // … of the view's median inverse depth
+constexpr double kHidden = 100;            // added to the penalty, radians
 constexpr double kHiddenParallax = 0.006;  // of the photograph's width
 constexpr double kBorder = 0.03;           // of its width, along which a photograph comes and goes
 constexpr float kNone = std::numeric_limits<float>::infinity();
@@ -85,7 +85,8 @@ ImageF warpedDepth(const Camera& view, const DepthMap& map) {
       const glm::dvec3 direction = towards.ray({x + 0.5, y + 0.5}) + w * towards.shift();
       // Nearly beside the view nothing is known well enough to be stretched over it.
       if (!(direction.z < -0.05)) continue;
-      vertices[std::size_t(y) * std::size_t(from.width) + std::size_t(x)] = {towards.pixel(direction), w / -direction.z};
+      vertices[std::size_t(y) * std::size_t(from.width) + std::size_t(x)] = {towards.pixel(direction),
+                                                                             w / -direction.z};
     }
   const double longest = kLongestStretch * std::max(view.intrinsics.fx / map.camera.intrinsics.fx, 1.0);
   ImageF depth(view.intrinsics.width, view.intrinsics.height, 1, kUnknownDepth);
@@ -164,8 +165,8 @@ void LumigraphPicture::addRow(int y, const Camera& photograph, const Image8& pic
                          std::clamp(int(pixel.y * mapScale), 0, depth.inverseDepth.height - 1));
     if (double(depth.inverseDepth.pixel(own.x, own.y)[0]) - w / -direction.z > hiddenInverseDepth) penalty += kHidden;
 
-    Candidate* const list = &candidates_[(std::size_t(y) * std::size_t(from.width) + std::size_t(x)) *
-                                         std::size_t(options_.best + 1)];
+    Candidate* const list =
+        &candidates_[(std::size_t(y) * std::size_t(from.width) + std::size_t(x)) * std::size_t(options_.best + 1)];
     int place = options_.best;
     if (!(float(penalty) < list[place].penalty)) continue;
     for (; place > 0 && float(penalty) < list[place - 1].penalty; --place) list[place] = list[place - 1];

@@ -39,8 +39,8 @@ struct LumigraphOptions {
   int threads = 1;
 };
 
-/// A view's picture, photograph after photograph: no more than one need be in memory. Their order matters only where two
-/// are equally good. 8 (best + 1) bytes a pixel.
+/// A view's picture, photograph after photograph: no more than one need be in memory. Their order matters only where
+/// two are equally good. 8 (best + 1) bytes a pixel.
 class LumigraphPicture {
  public:
   /// `proxy` is of the view's shape, and may be smaller.

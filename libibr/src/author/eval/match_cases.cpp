@@ -57,8 +57,9 @@ class CaseReader {
       } else if (key == "model") {
         result.model = path(value, pointer);
       } else if (key == "disparity" || key == "homography" || key == "depth") {
-        (key == "disparity" ? result.disparity : key == "depth" ? result.depth : result.homography) =
-            path(value, pointer);
+        (key == "disparity" ? result.disparity
+         : key == "depth"   ? result.depth
+                            : result.homography) = path(value, pointer);
         require(++truths == 1, pointer, "is a second truth");
       } else if (key == "depthUnit") {
         require(value.is_number() && value.get<double>() > 0, pointer, "is not a positive number");

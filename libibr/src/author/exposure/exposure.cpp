@@ -17,8 +17,8 @@
 #include <string>
 #include <utility>
 
-#include "author/geometry/posed_model.h"
 #include "author/exposure/vignetting.h"
+#include "author/geometry/posed_model.h"
 
 namespace ibr {
 namespace {

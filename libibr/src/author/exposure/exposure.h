@@ -34,9 +34,10 @@ struct ExposureMatch {
 };
 
 /// What the cells' vertices of tier 0 say, at most 500 a cell (fewer of more than 300 cells); what overlaps say of
-/// photographs that no cell joins (author/exposure/exposure_overlap.h); and the model's tracks of photographs that neither joins:
-/// means of linear light over small windows, where nothing is clipped or masked. `model`: of these photographs,
-/// `scene`: its nodes are these, with its cells. Throws Error{cancelled}, and what reading a photograph throws.
+/// photographs that no cell joins (author/exposure/exposure_overlap.h); and the model's tracks of photographs that
+/// neither joins: means of linear light over small windows, where nothing is clipped or masked. `model`: of these
+/// photographs, `scene`: its nodes are these, with its cells. Throws Error{cancelled}, and what reading a photograph
+/// throws.
 std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
                                            const Scene& scene, const BuildJobs& jobs);
 
@@ -55,8 +56,8 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
 /// How far apart they are, for people.
 std::string describedExposures(const Exposures& exposures);
 
-/// Coefficients of each photograph (author/exposure/vignetting.h), from the same matches; matches are of all colours alike.
-/// `lenses`: of each photograph its lens's number, from 0.
+/// Coefficients of each photograph (author/exposure/vignetting.h), from the same matches; matches are of all colours
+/// alike. `lenses`: of each photograph its lens's number, from 0.
 std::vector<glm::dvec2> solveVignetting(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                                         const std::vector<std::uint32_t>& lenses);
 

@@ -11,8 +11,8 @@
 
 #include "author/exposure/exposure.h"
 #include "author/exposure/exposure_overlap.h"
-#include "author/photographs/masks.h"
 #include "author/exposure/vignetting.h"
+#include "author/photographs/masks.h"
 #include "image/srgb.h"
 
 namespace ibr {
@@ -20,16 +20,16 @@ namespace {
 
 constexpr std::size_t kMostPoints = 500, kFewestPoints = 100;  // of a cell …
 constexpr std::size_t kPointsInAll = 150000;                   // … and of as many cells as one likes
-constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
-constexpr double kLeastMean = 0.003;           // linear light
-constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression
-constexpr double kTextureShare = 0.5;          // of a window's own spread: two photographs do not show the same window
-constexpr std::size_t kMostPartners = 12;      // of a photograph in a track
-constexpr double kTrackDeviation = 0.02;       // of a log ratio …
-constexpr double kTurnDeviation = 0.5;         // … and more of it by the radian between two rays to a point
-constexpr double kOverlapDeviation = 0.005;    // of what a rotation says; JPEG
-constexpr double kMostScale = 4;               // of windows
-constexpr double kLeastDeviation = 0.01;       // of a log ratio: surfaces shine
+constexpr int kDarkest = 4, kBrightest = 250;                  // levels; what is beyond is clipped, or noise
+constexpr double kLeastMean = 0.003;                           // linear light
+constexpr double kLevelDeviation = 0.7 / 255;                  // of an encoded mean: rounding, compression
+constexpr double kTextureShare = 0.5;        // of a window's own spread: two photographs do not show the same window
+constexpr std::size_t kMostPartners = 12;    // of a photograph in a track
+constexpr double kTrackDeviation = 0.02;     // of a log ratio …
+constexpr double kTurnDeviation = 0.5;       // … and more of it by the radian between two rays to a point
+constexpr double kOverlapDeviation = 0.005;  // of what a rotation says; JPEG
+constexpr double kMostScale = 4;             // of windows
+constexpr double kLeastDeviation = 0.01;     // of a log ratio: surfaces shine
 
 // Linear light around a point.
 struct Colour {

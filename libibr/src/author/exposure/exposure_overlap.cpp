@@ -17,9 +17,9 @@
 namespace ibr {
 namespace {
 
-constexpr int kDepthSide = 128, kGridSide = 96;  // of a photograph's longest side
+constexpr int kDepthSide = 128, kGridSide = 96;                // of a photograph's longest side
 constexpr std::size_t kMostPoints = 1200, kFewestPoints = 50;  // of a pair …
-constexpr std::size_t kPointsInAll = 350000;                  // … and of as many photographs as one likes
+constexpr std::size_t kPointsInAll = 350000;                   // … and of as many photographs as one likes
 constexpr std::size_t kLeastPoints = 8;
 constexpr std::size_t kPartners = 8, kTried = 16;
 constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths

@@ -2,8 +2,9 @@
 // What lenses take from a picture's corners, and giving it back.
 //
 // A lens lets the share exp(k.x·r² + k.y·r⁴) of the light through, r from the principal point in half diagonals of the
-// picture (even powers: the shade is smooth in its middle). Coefficients come from matches (author/exposure/exposure.h); where a
-// build is asked to, pictures and textures are stored without the shade, as they are stored without distortion.
+// picture (even powers: the shade is smooth in its middle). Coefficients come from matches
+// (author/exposure/exposure.h); where a build is asked to, pictures and textures are stored without the shade, as they
+// are stored without distortion.
 #pragma once
 
 #include <cstdint>

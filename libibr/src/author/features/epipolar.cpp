@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -13,7 +13,7 @@
 namespace ibr {
 namespace {
 
-constexpr float kSlab = 16;        // px
+constexpr float kSlab = 16;         // px
 constexpr float kElsewhere = 3.0f;  // px: nearer to the best, it is the same feature again
 
 // Features in slabs along one axis, sorted along the other.
@@ -41,8 +41,8 @@ class Slabs {
       const double at1 = -(along * double(s + 1) * kSlab + n.z) / across;
       const auto low = float(std::min(at0, at1) - reach), high = float(std::max(at0, at1) + reach);
       const auto& slab = slabs_[s];
-      for (auto it = std::ranges::lower_bound(slab, low, {}, &Entry::position); it != slab.end() && it->position <= high;
-           ++it)
+      for (auto it = std::ranges::lower_bound(slab, low, {}, &Entry::position);
+           it != slab.end() && it->position <= high; ++it)
         visit(it->feature);
     }
   }
@@ -97,10 +97,9 @@ std::vector<Best> bestOf(const Camera& cameraA, const Features& a, const Camera&
       candidates.push_back({j, descriptorDistance(a, i, b, j)});
     });
     if (candidates.empty()) continue;
-    const Candidate best = *std::ranges::min_element(
-        candidates, [](const Candidate& l, const Candidate& r) {
-          return std::pair(l.distance, l.feature) < std::pair(r.distance, r.feature);
-        });
+    const Candidate best = *std::ranges::min_element(candidates, [](const Candidate& l, const Candidate& r) {
+      return std::pair(l.distance, l.feature) < std::pair(r.distance, r.feature);
+    });
     // Alone near its line, it is judged by what any two descriptors are apart.
     int next = kUnlike;
     for (const Candidate& c : candidates)

@@ -18,7 +18,7 @@ constexpr double kPerSquare = 4;  // features that a square of the grid holds
 // OpenCV's pixels have their centres at 0, and its SIFT enlarges the picture to twice its size without minding where
 // centres come to lie: what it finds is a quarter of a pixel too far right and down.
 constexpr float kToCentre = 0.5f - 0.25f;
-constexpr int kLeastSide = 16;    // px, of a picture that has features
+constexpr int kLeastSide = 16;  // px, of a picture that has features
 
 using KeypointPosition = std::tuple<float, float, float>;
 KeypointPosition placeOf(const cv::KeyPoint& k) {

@@ -20,8 +20,8 @@ namespace ibr {
 using Descriptor = std::array<std::int16_t, 128>;  // 0 … 512; its square sum is about 512²
 
 struct Features {
-  std::vector<glm::vec2> at;              // px, in an order that depends on the picture only
-  std::vector<std::uint32_t> first{0};    // descriptors first[f] … first[f + 1] − 1 are those of feature f
+  std::vector<glm::vec2> at;            // px, in an order that depends on the picture only
+  std::vector<std::uint32_t> first{0};  // descriptors first[f] … first[f + 1] − 1 are those of feature f
   std::vector<Descriptor> descriptor;
 
   std::size_t count() const { return at.size(); }

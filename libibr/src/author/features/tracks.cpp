@@ -14,10 +14,10 @@
 #include <unordered_map>
 
 #include "author/features/feature_cache.h"
-#include "author/pixels/resize.h"
-#include "base/hash.h"
 #include "author/jobs/kept_file.h"
+#include "author/pixels/resize.h"
 #include "base/check.h"
+#include "base/hash.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -26,7 +26,7 @@ namespace {
 constexpr std::uint64_t kFeaturesVersion = 1;  // raise it when features come out differently
 constexpr std::uint64_t kMatchesVersion = 1;   // … and when matches do
 constexpr int kFeatures = 20000;               // of a photograph
-constexpr double kResidualPx = 2.0;           // of an observation
+constexpr double kResidualPx = 2.0;            // of an observation
 
 glm::dvec3 rayOf(const Camera& camera, glm::dvec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, pixel);
@@ -53,7 +53,8 @@ std::optional<glm::dvec3> nearestToRays(std::span<const Camera> cameras, std::sp
 }
 
 // One step of Gauss and Newton for the sum of squared distances in px.
-std::optional<glm::dvec3> nearer(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels, glm::dvec3 point) {
+std::optional<glm::dvec3> nearer(std::span<const Camera> cameras, std::span<const glm::dvec2> pixels,
+                                 glm::dvec3 point) {
   glm::dmat3 normal(0.0);
   glm::dvec3 right(0.0);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -232,7 +233,9 @@ std::vector<Track> makeTracks(const PosedModel& model, std::span<const ImagePair
   std::set<std::uint32_t> wanted;
   for (const auto& [a, b] : pairs) wanted.insert({a, b});
   const std::vector<std::uint32_t> images(wanted.begin(), wanted.end());
-  const auto featuresFile = [&](std::uint32_t i) { return keptFile(input.keep, featureKey(input.hashes[i]), "features"); };
+  const auto featuresFile = [&](std::uint32_t i) {
+    return keptFile(input.keep, featureKey(input.hashes[i]), "features");
+  };
   double pixels = 0;
   for (const std::uint32_t i : images) {
     const Intrinsics& k = model.images[i].camera.intrinsics;

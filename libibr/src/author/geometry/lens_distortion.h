@@ -10,8 +10,8 @@
 namespace ibr {
 
 struct Distorted {
-  glm::dvec2 point;      // d(m)
-  glm::dmat2 jacobian;   // ∂d/∂m, column by column
+  glm::dvec2 point;     // d(m)
+  glm::dmat2 jacobian;  // ∂d/∂m, column by column
 };
 Distorted distort(const LensDistortion& distortion, glm::dvec2 m);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// On which side triangles of a mesh lie, without rounding: positions stand on a grid of 1/512 px, signed areas are whole
-// numbers. What is positive here is positive for everybody who reads the stored floats.
+// On which side triangles of a mesh lie, without rounding: positions stand on a grid of 1/512 px, signed areas are
+// whole numbers. What is positive here is positive for everybody who reads the stored floats.
 #pragma once
 
 #include <cmath>

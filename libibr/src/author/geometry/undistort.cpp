@@ -34,8 +34,8 @@ bool whole(const Lens& lens, const Rectangle& r) {
     for (int j = 0; j <= kEdge; ++j) {
       const bool edge = i == 0 || j == 0 || i == kEdge || j == kEdge;
       if (!edge && (i % kEvery != 0 || j % kEvery != 0)) continue;
-      const auto pixel = seenAt(lens, {std::lerp(r.left, r.right, double(i) / kEdge),
-                                       std::lerp(r.top, r.bottom, double(j) / kEdge)});
+      const auto pixel =
+          seenAt(lens, {std::lerp(r.left, r.right, double(i) / kEdge), std::lerp(r.top, r.bottom, double(j) / kEdge)});
       if (!pixel || !inPicture(lens, *pixel)) return false;
     }
   return true;
@@ -153,8 +153,7 @@ class Sampler {
       }
       for (std::size_t c = 0; c < result.size(); ++c) sum[c] += down[std::size_t(j)] * line[c];
     }
-    for (std::size_t c = 0; c < result.size(); ++c)
-      result[c] = std::uint8_t(std::clamp(sum[c] + 0.5f, 0.0f, 255.0f));
+    for (std::size_t c = 0; c < result.size(); ++c) result[c] = std::uint8_t(std::clamp(sum[c] + 0.5f, 0.0f, 255.0f));
   }
 
  private:
@@ -173,9 +172,8 @@ Intrinsics undistorted(const Lens& lens, Border border) {
         lens.height(), kWidestHalfAngle);
   const Rectangle r = border == Border::crop ? cropped(lens, middle) : kept(lens, middle);
   // In its middle the lens magnifies by its distortion's derivative.
-  const double magnified = lens.distortion().omega != 0
-                               ? 2 * std::tan(0.5 * lens.distortion().omega) / lens.distortion().omega
-                               : 1.0;
+  const double magnified =
+      lens.distortion().omega != 0 ? 2 * std::tan(0.5 * lens.distortion().omega) / lens.distortion().omega : 1.0;
   Intrinsics k;
   k.fx = lens.focal().x * magnified;
   k.fy = lens.focal().y * magnified;

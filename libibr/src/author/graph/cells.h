@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "author/graph/choose_cells.h"
-#include "author/graph/view_relations.h"
 #include "author/graph/graph_views.h"
+#include "author/graph/view_relations.h"
 #include "ibr/author.h"
 
 namespace ibr {
@@ -27,9 +27,9 @@ using CellMembers = std::vector<std::uint32_t>;
 
 struct CellPlan {
   std::vector<CellMembers> cells;
-  std::vector<BuildReport::Dropped> dropped;    // simplices that were refused
-  std::vector<UnusedPhotograph> unused;         // photographs that are in no cell
-  bool ordered = false;                         // several photographs were taken from each spot ([T] §2.4.2)
+  std::vector<BuildReport::Dropped> dropped;  // simplices that were refused
+  std::vector<UnusedPhotograph> unused;       // photographs that are in no cell
+  bool ordered = false;                       // several photographs were taken from each spot ([T] §2.4.2)
 };
 
 /// Throws Error{invalidInput} for a `dimension` or `thetaDegrees` that cannot be.

@@ -5,9 +5,10 @@
 //              any; a refused simplex hands on its faces, those their edges
 //   pruned     faces of accepted cells; handed-on ones whose middle lies in another cell of the group; handed-on edges
 //              that are no relative neighbours
-//   wide       where that leaves a photograph alone, at the end of a chain, or without a way to others, though it shares
-//              much with them (rings around an object, which turn by more than θ from one photograph to the next): lines
-//              between relative neighbours of those that share much
+//   wide       where that leaves a photograph alone, at the end of a chain, or without a way to others, though it
+//   shares
+//              much with them (rings around an object, which turn by more than θ from one photograph to the next):
+//              lines between relative neighbours of those that share much
 #pragma once
 
 #include <map>
@@ -16,9 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "author/graph/graph_views.h"
 #include "author/graph/split_group.h"
 #include "author/graph/view_relations.h"
-#include "author/graph/graph_views.h"
 
 namespace ibr {
 

@@ -48,8 +48,7 @@ Views viewsOf(const PosedModel& model, double thetaDegrees) {
   for (const std::uint32_t i : byName) {
     const PosedImage& image = model.images[i];
     View view{image.name, i, image.camera, viewAxis(image.camera.pose)};
-    view.theta =
-        thetaDegrees > 0 ? glm::radians(thetaDegrees) : 0.5 * smallerFieldOfView(image.camera.intrinsics);
+    view.theta = thetaDegrees > 0 ? glm::radians(thetaDegrees) : 0.5 * smallerFieldOfView(image.camera.intrinsics);
     view.panorama = image.camera.intrinsics.model == CameraModel::equirectangular;
     views.list.push_back(std::move(view));
   }

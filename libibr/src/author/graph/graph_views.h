@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "author/graph/lattice.h"
 #include "author/geometry/simplex.h"
+#include "author/graph/lattice.h"
 #include "ibr/author.h"
 
 namespace ibr {

@@ -171,8 +171,10 @@ std::vector<Simplex> splitLattice(const Lattice& lattice, std::span<const std::u
       return std::all_of(chosen.begin(), chosen.end(),
                          [&](std::uint32_t p) { return lattice.levels[p][a] == lattice.levels[chosen[0]][a]; });
     };
-    if (flat(0)) first = 1, second = 2;
-    else if (flat(1)) second = 2;
+    if (flat(0))
+      first = 1, second = 2;
+    else if (flat(1))
+      second = 2;
     std::vector<glm::dvec2> plane;
     for (const std::uint32_t p : chosen)
       plane.emplace_back(laidOut({lattice.levels[p][first], lattice.levels[p][second], 0}, 2));
@@ -180,9 +182,8 @@ std::vector<Simplex> splitLattice(const Lattice& lattice, std::span<const std::u
   } else if (rank == 1) {
     std::vector<std::uint32_t> order(chosen.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return lattice.levels[chosen[a]] < lattice.levels[chosen[b]];
-    });
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return lattice.levels[chosen[a]] < lattice.levels[chosen[b]]; });
     for (std::size_t k = 1; k < order.size(); ++k) simplices.push_back({order[k - 1], order[k]});
   }
   for (Simplex& simplex : simplices) std::sort(simplex.begin(), simplex.end());

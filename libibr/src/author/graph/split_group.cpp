@@ -132,8 +132,7 @@ std::vector<Simplex> similarParts(const Views& views, const std::vector<Simplex>
     const std::vector<Simplex> parts = partsWith(simplex, members);
     double smallest = std::numeric_limits<double>::infinity();
     for (const Simplex& part : parts) smallest = std::min(smallest, sizeOf(views, part));
-    for (const Simplex& part : parts)
-      candidates[part] |= members == 2 || sizeOf(views, part) <= kSimilar * smallest;
+    for (const Simplex& part : parts) candidates[part] |= members == 2 || sizeOf(views, part) <= kSimilar * smallest;
   }
   std::vector<std::pair<double, Simplex>> bySize;
   std::set<std::uint32_t> reached;
@@ -172,7 +171,8 @@ GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mo
   GroupSplit split{lattice ? lattice->simplices : ofViews(splitPlaces(spotsOf(views, group))), false};
   if (split.simplices.empty() || split.simplices[0].size() <= mostMembers) return split;
   split.overlaps = true;
-  split.simplices = lattice ? alongAxes(*lattice, group, mostMembers) : similarParts(views, split.simplices, mostMembers);
+  split.simplices =
+      lattice ? alongAxes(*lattice, group, mostMembers) : similarParts(views, split.simplices, mostMembers);
   return split;
 }
 

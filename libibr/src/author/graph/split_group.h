@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "author/geometry/simplex.h"
-#include "author/graph/view_groups.h"
 #include "author/graph/graph_views.h"
+#include "author/graph/view_groups.h"
 
 namespace ibr {
 
@@ -18,8 +18,9 @@ struct GroupSplit {
   bool overlaps = false;           // they are faces of larger simplices, and may lie across each other
 };
 
-/// `mostMembers` 2 to 4: where the places span more, faces (or edges) of their simplices come instead: on a lattice those
-/// along its axes; else of each simplex those whose size is like that of its smallest; no place is left without one.
+/// `mostMembers` 2 to 4: where the places span more, faces (or edges) of their simplices come instead: on a lattice
+/// those along its axes; else of each simplex those whose size is like that of its smallest; no place is left without
+/// one.
 GroupSplit splitGroup(const Views& views, const ViewGroup& group, std::size_t mostMembers);
 
 /// Least shape (simplex.h) of a cell with as many members.

@@ -35,7 +35,8 @@ ViewRelations::ViewRelations(const PosedModel& model) : model_(model), tracks_(t
 const ViewRelation& ViewRelations::between(std::uint32_t a, std::uint32_t b) const {
   const std::uint64_t key = (std::uint64_t(std::min(a, b)) << 32) | std::max(a, b);
   const auto found = known_.find(key);
-  return found != known_.end() ? found->second : known_.emplace(key, find(std::min(a, b), std::max(a, b))).first->second;
+  return found != known_.end() ? found->second
+                               : known_.emplace(key, find(std::min(a, b), std::max(a, b))).first->second;
 }
 
 // A point's disparity is the angle at the point between its rays, in widths of the picture: for rays near the axes

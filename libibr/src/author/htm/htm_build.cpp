@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "author/jobs/build_jobs.h"
 #include "author/htm/htm_adjust.h"
 #include "author/htm/htm_checks.h"
 #include "author/htm/htm_collapse.h"
@@ -21,6 +20,7 @@
 #include "author/htm/htm_shape.h"
 #include "author/htm/htm_subdivide.h"
 #include "author/htm/htm_visibility.h"
+#include "author/jobs/build_jobs.h"
 #include "base/check.h"
 #include "base/stopwatch.h"
 #include "ibr/htm_author.h"

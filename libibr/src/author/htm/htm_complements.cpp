@@ -11,8 +11,8 @@
 namespace ibr {
 namespace {
 
-// One pair's complements minimise Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges + Σ |c|² / complementPx²,
-// by Gauss-Seidel; w falls as the match m leaves what is around it.
+// One pair's complements minimise Σ w (c − m)ᵀ W (c − m) + smoothness Σ |c_u − c_v|² over edges + Σ |c|² /
+// complementPx², by Gauss-Seidel; w falls as the match m leaves what is around it.
 class PairField {
  public:
   PairField(const Lists& neighbours, std::span<const CameraSet> members, CameraSet pair,
@@ -68,14 +68,15 @@ std::vector<glm::vec2> complementsOf(const TriangleMesh& mesh, std::size_t camer
   const std::size_t n = mesh.positions.size();
   const Lists neighbours = neighboursOfVertices(mesh);
   std::vector<glm::vec2> complements(cameras * cameras * n, glm::vec2(0.0f));
-  runJobs(cameras * cameras, threadsFor(options.threads, 1e6),
-          [&](std::size_t pair) {
-            const std::size_t i = pair / cameras, j = pair % cameras;
-            if (i == j) return;
-            PairField(neighbours, members, CameraSet(1) << i | CameraSet(1) << j, matches.subspan(pair * n, n), options)
-                .solve(std::span(complements).subspan(pair * n, n));
-          },
-          [](std::size_t) { return true; });
+  runJobs(
+      cameras * cameras, threadsFor(options.threads, 1e6),
+      [&](std::size_t pair) {
+        const std::size_t i = pair / cameras, j = pair % cameras;
+        if (i == j) return;
+        PairField(neighbours, members, CameraSet(1) << i | CameraSet(1) << j, matches.subspan(pair * n, n), options)
+            .solve(std::span(complements).subspan(pair * n, n));
+      },
+      [](std::size_t) { return true; });
   return complements;
 }
 

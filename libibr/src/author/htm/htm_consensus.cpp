@@ -49,7 +49,8 @@ class TangentMaps {
     if (!(length > 0) || !(glm::dot(normal, towards) > kLeastCosine * length * distance)) return glm::dmat2(0.0);
     const glm::dvec3 n = normal / length, e = anyAcross(n), f = glm::cross(n, e);
     const double step = 1e-4 * distance;
-    const auto here = view.seen(position), alongE = view.seen(position + step * e), alongF = view.seen(position + step * f);
+    const auto here = view.seen(position), alongE = view.seen(position + step * e),
+               alongF = view.seen(position + step * f);
     if (!here || !alongE || !alongF) return glm::dmat2(0.0);
     return {(alongE->pixel - here->pixel) / step, (alongF->pixel - here->pixel) / step};
   }

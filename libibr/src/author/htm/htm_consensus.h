@@ -2,10 +2,10 @@
 // Cycle-consistent complements: not one for each two cameras, but for each camera where it shows a point on which all
 // that see the vertex settle.
 //
-// What camera j shows b_j px away from the projected vertex, camera i shows at b_i, where b_i = c_{i←j} + J_ij b_j; c_{i←j}
-// is their match and J_ij the map between the two pictures of the surface's tangent plane. The offsets b fit the matches
-// in the sense of least squares, change smoothly along the mesh and are as small as they can be: the point is the mean
-// of what the cameras claim, which errs less than any of them.
+// What camera j shows b_j px away from the projected vertex, camera i shows at b_i, where b_i = c_{i←j} + J_ij b_j;
+// c_{i←j} is their match and J_ij the map between the two pictures of the surface's tangent plane. The offsets b fit
+// the matches in the sense of least squares, change smoothly along the mesh and are as small as they can be: the point
+// is the mean of what the cameras claim, which errs less than any of them.
 #pragma once
 
 #include <span>
@@ -17,8 +17,8 @@ namespace ibr {
 
 struct ConsensusOptions {
   double smoothness = 100;  // 1 / px²: inverse variance of an offset's difference between neighbours
-  double offsetPx = 4;     // standard deviation that offsets have before anything is matched
-  double outlierPx = 2;    // a match further off than this loses its weight (Geman and McClure 1987)
+  double offsetPx = 4;      // standard deviation that offsets have before anything is matched
+  double outlierPx = 2;     // a match further off than this loses its weight (Geman and McClure 1987)
   int sweeps = 120;
 };
 

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "image/bilinear.h"
 #include "base/parallel.h"
+#include "image/bilinear.h"
 
 namespace ibr {
 

@@ -10,13 +10,13 @@
 namespace ibr {
 
 struct DifferenceOptions {
-  double alpha = 0.3;   // of eq. 2: what facing the face counts, against size, 0 to 1
-  double gamma1 = 10;   // of eq. 3, > 0
+  double alpha = 0.3;  // of eq. 2: what facing the face counts, against size, 0 to 1
+  double gamma1 = 10;  // of eq. 3, > 0
 };
 
 /// Eqs 2 and 3: e_k of each camera, which sum to 1. `facing`: V_Ck · N_f, the cosine between the face's normal and the
-/// direction from the face to the camera, clamped to −1 … 1; `size`: s_f, its area in the camera's picture, px². Computed
-/// relative to the largest, so that nothing underflows; all alike where all are behind or of no size.
+/// direction from the face to the camera, clamped to −1 … 1; `size`: s_f, its area in the camera's picture, px².
+/// Computed relative to the largest, so that nothing underflows; all alike where all are behind or of no size.
 std::vector<double> cameraScores(std::span<const double> facing, std::span<const double> size,
                                  const DifferenceOptions& options);
 
@@ -24,6 +24,7 @@ std::vector<double> cameraScores(std::span<const double> facing, std::span<const
 /// fewer than two cameras see it. `visibility`: of all faces; `complements`: at complementIndex, or empty: all 0.
 std::vector<double> faceDifferences(const TriangleMesh& mesh, std::span<const ProjectedMesh> views,
                                     std::span<const FaceVisibility> visibility, std::span<const glm::vec2> complements,
-                                    std::span<const std::uint32_t> faces, const DifferenceOptions& options, int threads);
+                                    std::span<const std::uint32_t> faces, const DifferenceOptions& options,
+                                    int threads);
 
 }  // namespace ibr

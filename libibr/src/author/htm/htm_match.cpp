@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "author/htm/htm_refine.h"
-#include "base/parallel.h"
 #include "base/check.h"
+#include "base/parallel.h"
 
 namespace ibr {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "author/surface/repair_mesh.h"
 #include "author/cgal/surface_distance.h"
+#include "author/surface/repair_mesh.h"
 #include "ibr/log.h"
 
 namespace ibr {

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "image/bilinear.h"
 #include "author/htm/htm_shape.h"
 #include "base/parallel.h"
+#include "image/bilinear.h"
 
 namespace ibr {
 namespace {
@@ -84,8 +84,8 @@ CameraSet largestClique(CameraSet among, std::span<const CameraSet> joined, std:
 }
 
 std::vector<CameraAgreement> agreements(const TriangleMesh& mesh, std::span<const ProjectedMesh> views,
-                                  std::span<const CameraSet> members, std::span<const glm::vec2> complements,
-                                  const SegmentOptions& segment, int threads) {
+                                        std::span<const CameraSet> members, std::span<const glm::vec2> complements,
+                                        const SegmentOptions& segment, int threads) {
   const std::size_t n = mesh.positions.size(), cameras = views.size();
   const Lists faces = facesAtVertices(mesh);
   std::vector<CameraAgreement> all(cameras * cameras * n);

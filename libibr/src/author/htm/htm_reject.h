@@ -26,8 +26,8 @@ struct CameraAgreement {
 
 /// One at each complementIndex.
 std::vector<CameraAgreement> agreements(const TriangleMesh& mesh, std::span<const ProjectedMesh> views,
-                                  std::span<const CameraSet> members, std::span<const glm::vec2> complements,
-                                  const SegmentOptions& segment, int threads);
+                                        std::span<const CameraSet> members, std::span<const glm::vec2> complements,
+                                        const SegmentOptions& segment, int threads);
 
 /// How much each camera looks at each vertex from its front: the cosine between the vertex's normal and the direction
 /// to the camera, 0 where it is negative or there is none; n_c × n_v.

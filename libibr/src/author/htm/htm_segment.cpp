@@ -52,14 +52,16 @@ const std::vector<SegmentPixel>& Segments::of(std::size_t v) {
   const glm::dvec2 middle = seen->pixel;
   markRings(v, middle);
   const Image<std::uint32_t>& shown = view_.raster.face;
-  const int left = std::max(0, int(std::floor(middle.x - radius_))), top = std::max(0, int(std::floor(middle.y - radius_)));
+  const int left = std::max(0, int(std::floor(middle.x - radius_))),
+            top = std::max(0, int(std::floor(middle.y - radius_)));
   const int right = std::min(shown.width - 1, int(std::ceil(middle.x + radius_)));
   const int bottom = std::min(shown.height - 1, int(std::ceil(middle.y + radius_)));
   for (int y = top; y <= bottom; ++y)
     for (int x = left; x <= right; ++x) {
       const std::uint32_t face = shown.pixel(x, y)[0];
       const glm::dvec2 centre(x + 0.5, y + 0.5);
-      if (face == MeshRaster::kNone || mark_[face] != call_ || glm::distance(centre, middle) > options_.mostRadius) continue;
+      if (face == MeshRaster::kNone || mark_[face] != call_ || glm::distance(centre, middle) > options_.mostRadius)
+        continue;
       pixels_.emplace_back(x, y);
     }
   return pixels_;

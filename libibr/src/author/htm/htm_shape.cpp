@@ -7,11 +7,11 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "author/pixels/cv_view.h"
 #include "author/htm/htm_adjacency.h"
 #include "author/htm/htm_trust.h"
-#include "base/parallel.h"
+#include "author/pixels/cv_view.h"
 #include "base/check.h"
+#include "base/parallel.h"
 
 namespace ibr {
 

@@ -13,8 +13,8 @@
 namespace ibr {
 
 struct ShapeOptions {
-  double smoothness = 1;  // 1 / px²: inverse variance of the displacement's difference between neighbours, in the pixels
-                          // that it moves the vertex by between two cameras (root mean square over its pairs)
+  double smoothness = 1;  // 1 / px²: inverse variance of the displacement's difference between neighbours, in the
+                          // pixels that it moves the vertex by between two cameras (root mean square over its pairs)
   double outlierPx = 2;   // a match further off than this loses its weight (Geman and McClure 1987)
   int threads = 0;        // for outlines; 0: all cores
 };

@@ -13,8 +13,8 @@ namespace ibr {
 
 class BuildJobs {
  public:
-  /// `threads`: 0 for all cores. `memory`: bytes that all may take, 0 for half of what there is. `progress` may be empty;
-  /// it must outlive the object.
+  /// `threads`: 0 for all cores. `memory`: bytes that all may take, 0 for half of what there is. `progress` may be
+  /// empty; it must outlive the object.
   BuildJobs(int threads, double memory, const ProgressCallback& progress)
       : threads_(threads), memory_(memoryBudget(memory)), progress_(progress) {}
 
@@ -22,8 +22,8 @@ class BuildJobs {
   void step(std::string_view stage, std::size_t done, std::size_t total) const;
 
   /// job(0) … job(count − 1), each once, on no more threads than the memory holds jobs of `bytesEach`, beside what is
-  /// held already and the `bytesKept` that each leaves behind. Throws what a job throws, and Error{cancelled}; jobs that
-  /// have started are waited for.
+  /// held already and the `bytesKept` that each leaves behind. Throws what a job throws, and Error{cancelled}; jobs
+  /// that have started are waited for.
   void runAll(std::string_view stage, std::size_t count, double bytesEach, const std::function<void(std::size_t)>& job,
               double bytesKept = 0) const;
 

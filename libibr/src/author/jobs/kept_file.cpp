@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
-#include "base/hash.h"
 #include "base/file.h"
+#include "base/hash.h"
 
 namespace ibr {
 namespace fs = std::filesystem;
@@ -26,9 +26,9 @@ Value hashOf(std::span<const std::byte> bytes) {
 
 // Of keptFile, or of a draft of one (writeFile) that was never finished.
 bool namedByKey(const std::string& name) {
-  return name.size() > kDigits && name[kDigits] == '.' &&
-         std::all_of(name.begin(), name.begin() + kDigits,
-                     [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+  return name.size() > kDigits && name[kDigits] == '.' && std::all_of(name.begin(), name.begin() + kDigits, [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
 }
 
 }  // namespace

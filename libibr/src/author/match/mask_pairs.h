@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "author/pixels/cv_view.h"
 #include "author/match/match.h"
+#include "author/pixels/cv_view.h"
 
 namespace ibr {
 

@@ -6,17 +6,17 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "author/sweep/window_agreement.h"
+#include "author/geometry/mean_frame.h"
+#include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
+#include "author/pixels/resize.h"
 #include "author/sweep/depth_clean.h"
 #include "author/sweep/depth_edges.h"
 #include "author/sweep/dominant_planes.h"
-#include "author/photographs/masks.h"
-#include "author/geometry/mean_frame.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/plane_sweep.h"
 #include "author/sweep/sgm.h"
 #include "author/sweep/visibility.h"
+#include "author/sweep/window_agreement.h"
 #include "base/check.h"
 
 namespace ibr {
@@ -194,8 +194,8 @@ class Matcher {
   int width_ = 0, height_ = 0;
   std::vector<Camera> cameras_;
   std::vector<FrameToMember> maps_;
-  std::vector<Image8> grey_;     // as photographed
-  std::vector<cv::Mat> warped_;  // as the frame sees it, float
+  std::vector<Image8> grey_;      // as photographed
+  std::vector<cv::Mat> warped_;   // as the frame sees it, float
   std::vector<cv::Mat> ignored_;  // 255 where the frame sees what is masked; empty where nothing is
   std::vector<Image8> inside_;
   DenseMatch match_;

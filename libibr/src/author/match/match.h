@@ -3,7 +3,8 @@
 // known).
 //
 //   1. mean frame; inverse-depth range and dominant planes from the tracks
-//   2. plane sweep and semi-global matching at half resolution, cleaned, foregrounds trimmed, brought to full resolution
+//   2. plane sweep and semi-global matching at half resolution, cleaned, foregrounds trimmed, brought to full
+//   resolution
 //   3. gate: inside all members' pictures, alike in all of them, and hidden from none by what stands before it
 //   4. where the poses are estimates: what optical flow finds between the members, warped to the frame, is added to the
 //      matches; too large a flow shuts the gate

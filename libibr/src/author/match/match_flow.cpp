@@ -6,14 +6,14 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "author/sweep/window_agreement.h"
-#include "author/pixels/cv_view.h"
 #include "author/features/features.h"
 #include "author/match/mask_pairs.h"
-#include "author/photographs/masks.h"
 #include "author/match/mesh_warp.h"
-#include "author/pixels/resize.h"
 #include "author/match/position_depth.h"
+#include "author/photographs/masks.h"
+#include "author/pixels/cv_view.h"
+#include "author/pixels/resize.h"
+#include "author/sweep/window_agreement.h"
 
 namespace ibr {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr int kFeatures = 5000;
 constexpr double kRatio = 0.85;
 constexpr int kRounds = 2;
-constexpr int kLeastSide = 32;      // px: smaller pictures are too small for the flow's pyramid
+constexpr int kLeastSide = 32;         // px: smaller pictures are too small for the flow's pyramid
 constexpr double kThereAndBack = 1.0;  // px
 constexpr double kCycle = 1.5;         // px
 
@@ -136,8 +136,7 @@ class FlowMatcher {
         const cv::Mat sound = back & there & inside[i] & inside[j];
         const WindowAgreement found = agreement(warped[i], warped[j]);
         pairs.add(i, j, sound & found.alike);
-        for (const std::size_t k : {i, j})
-          cvView(match_.seen[k]).setTo(1, sound & found.textured & pairs.used(i, j));
+        for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, sound & found.textured & pairs.used(i, j));
       }
     cvView(match_.good).setTo(1, pairs.good());
   }

@@ -5,19 +5,19 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "author/sweep/window_agreement.h"
-#include "author/pixels/cv_view.h"
 #include "author/features/epipolar.h"
 #include "author/features/features.h"
-#include "author/sweep/homographies.h"
 #include "author/match/mask_pairs.h"
-#include "author/photographs/masks.h"
-#include "author/pixels/resize.h"
 #include "author/match/plane_patch.h"
 #include "author/match/position_depth.h"
 #include "author/match/propagate.h"
 #include "author/match/track_mesh.h"
 #include "author/match/vertices.h"
+#include "author/photographs/masks.h"
+#include "author/pixels/cv_view.h"
+#include "author/pixels/resize.h"
+#include "author/sweep/homographies.h"
+#include "author/sweep/window_agreement.h"
 
 namespace ibr {
 namespace {
@@ -74,8 +74,7 @@ class HomographicMatcher {
 
   // Guided, features only compete with those that may be the same point.
   std::vector<FeatureMatch> matchPair(std::size_t i, std::size_t j, const std::vector<std::vector<bool>>& taken) const {
-    if (guided(i, j))
-      return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
+    if (guided(i, j)) return matchGuided(cameras_[i], features_[i], cameras_[j], features_[j], {kEpipolarPx, kRatio});
     return mutualMatches(features_[i], features_[j], kRatio, taken[i], taken[j]);
   }
 
@@ -176,8 +175,7 @@ class HomographicMatcher {
     MatchedVertices& vertices = match.vertices.emplace();
     vertices.matched.resize(d_);
     vertices.planes = planeLabels(tracks_, planes_, kLabelPx);
-    TrackField field =
-        fieldOf(tracks_, trackTriangles(tracks_), vertices.planes, planes_, d_, {width, height});
+    TrackField field = fieldOf(tracks_, trackTriangles(tracks_), vertices.planes, planes_, d_, {width, height});
     match.position = std::move(field.position);
 
     std::vector<FrameToMember> maps;

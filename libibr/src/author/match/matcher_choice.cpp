@@ -6,10 +6,10 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "author/match/match_flow.h"
-#include "author/match/match_homographic.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
+#include "author/match/match_flow.h"
+#include "author/match/match_homographic.h"
 #include "author/match/ranges.h"
 
 namespace ibr {
@@ -44,11 +44,12 @@ MatchMethod chosenMatcher(MatchMethod wanted, double reprojectionPx) {
 DenseMatch matchCell(std::span<const MatchView> views, std::span<const glm::dvec3> points,
                      const CellMatchOptions& options) {
   switch (options.matcher) {
-    case MatchMethod::flow: return matchByFlow(views);
+    case MatchMethod::flow:
+      return matchByFlow(views);
     case MatchMethod::homographic:
-      return matchByHomographies(views,
-                                 {options.posesUsable, options.posesUsable && !options.refine, options.seed});
-    default: return matchViews(views, points, {options.refine});
+      return matchByHomographies(views, {options.posesUsable, options.posesUsable && !options.refine, options.seed});
+    default:
+      return matchViews(views, points, {options.refine});
   }
 }
 

@@ -12,18 +12,19 @@ namespace ibr {
 inline constexpr double kUsablePx = 1.0;  // median reprojection error up to which a plane sweep can follow poses
 
 /// Median distance between where `cameras` see the tracks that two of them share, placed where they fit best, and where
-/// these were observed, px of the cameras' pictures (the worst member's); infinite where they share none. `members`: the cameras' images in the model; `tracks`: of the
-/// model, those that count.
+/// these were observed, px of the cameras' pictures (the worst member's); infinite where they share none. `members`:
+/// the cameras' images in the model; `tracks`: of the model, those that count.
 double cellReprojectionError(const PosedModel& model, std::span<const std::uint32_t> members,
                              std::span<const Camera> cameras, std::span<const std::uint32_t> tracks);
 
-/// What `wanted` comes to: `automatic` is the sweep where the poses, as adjusted, reproject to kUsablePx, else the flow.
+/// What `wanted` comes to: `automatic` is the sweep where the poses, as adjusted, reproject to kUsablePx, else the
+/// flow.
 MatchMethod chosenMatcher(MatchMethod wanted, double reprojectionPx);
 
 struct CellMatchOptions {
   MatchMethod matcher = MatchMethod::sweep;  // not automatic
-  bool posesUsable = true;           // to kUsablePx …
-  bool refine = false;               // … but not exact
+  bool posesUsable = true;                   // to kUsablePx …
+  bool refine = false;                       // … but not exact
   std::uint64_t seed = 1;
 };
 

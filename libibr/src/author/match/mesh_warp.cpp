@@ -9,8 +9,8 @@
 #include <opencv2/calib3d.hpp>
 
 #include "author/cgal/delaunay.h"
-#include "image/raster.h"
 #include "author/match/vertices.h"
+#include "image/raster.h"
 
 namespace ibr {
 namespace {
@@ -122,7 +122,8 @@ ImageF meshWarp(const PointPairs& pairs, glm::ivec2 size, glm::ivec2 otherSize) 
   // At the border the homography holds.
   constexpr int kSteps = 4;
   for (int s = 0; s < kSteps; ++s)
-    for (const glm::vec2 side : {glm::vec2(s, 0), glm::vec2(kSteps, s), glm::vec2(kSteps - s, kSteps), glm::vec2(0, kSteps - s)}) {
+    for (const glm::vec2 side :
+         {glm::vec2(s, 0), glm::vec2(kSteps, s), glm::vec2(kSteps - s, kSteps), glm::vec2(0, kSteps - s)}) {
       const glm::vec2 at = side / float(kSteps) * glm::vec2(size);
       anchors.at.push_back(at);
       anchors.to.push_back(mapped(plane, at));

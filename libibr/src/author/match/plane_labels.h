@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sets of planes as labels of vertices (MorphMesh::planes).
 //
-// A vertex where planes meet lies on all of them. A triangle whose vertices share a plane is homogeneous: one homography
-// explains it. In any other there is parallax or distortion.
+// A vertex where planes meet lies on all of them. A triangle whose vertices share a plane is homogeneous: one
+// homography explains it. In any other there is parallax or distortion.
 #pragma once
 
 #include <glm/gtc/type_precision.hpp>

@@ -26,7 +26,8 @@ PlanePatches::PlanePatches(std::span<const ImageF> grey, std::span<const Camera>
   for (const Camera& camera : cameras) maps_.push_back(frameToMember(cameras[0], camera));
 }
 
-// The window around `first` of the first member as the plane shows it, moved so that its centre comes to lie at `centre`.
+// The window around `first` of the first member as the plane shows it, moved so that its centre comes to lie at
+// `centre`.
 bool PlanePatches::sample(std::size_t member, const glm::dmat3& plane, glm::dvec2 first, glm::dvec2 centre,
                           Window& window) const {
   const ImageF& grey = grey_[member];
@@ -64,8 +65,8 @@ double PlanePatches::correlation(const PlaneMaps& plane, std::span<const glm::dv
     if (!sample(i, plane.to[i], at[0], at[i], other)) return -1;
     double covariance = 0;
     for (std::size_t k = 0; k < kSize; ++k) covariance += (first.value[k] - first.mean) * (other.value[k] - other.mean);
-    least = std::min(least, covariance / double(kSize) /
-                                std::sqrt((first.variance + kNoise) * (other.variance + kNoise)));
+    least =
+        std::min(least, covariance / double(kSize) / std::sqrt((first.variance + kNoise) * (other.variance + kNoise)));
   }
   return least;
 }

@@ -2,8 +2,8 @@
 // Depth of matches that were found without it.
 #pragma once
 
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
+#include "author/match/match.h"
 
 namespace ibr {
 
@@ -18,8 +18,8 @@ PositionDepth positionDepth(std::span<const FrameToMember> maps, glm::dvec2 pixe
                             std::span<const glm::dvec2> positions);
 
 /// Fills inverseDepth and inverseDepthStep of a match whose frame and positions are known: at each pixel the depth
-/// of its positions, a step being what moves the members by 1 px against each other (median). Poses that know no parallax give
-/// 0 and a step of 1.
+/// of its positions, a step being what moves the members by 1 px against each other (median). Poses that know no
+/// parallax give 0 and a step of 1.
 void depthFromPositions(DenseMatch& match, std::span<const Camera> cameras);
 
 }  // namespace ibr

@@ -8,23 +8,23 @@
 #include <limits>
 #include <unordered_map>
 
-#include "author/sweep/homographies.h"
 #include "author/match/track_mesh.h"
+#include "author/sweep/homographies.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kBetter = 0.02;            // in correlation, for a match to change its plane
-constexpr double kExtrapolated = 0.8;       // least correlation of what a plane alone puts there …
-constexpr double kFocused = 0.8;            // … and of what descriptors do
-constexpr double kReach = 1.5;              // px
-constexpr double kApart = 3.0;              // px between matches
-constexpr double kMargin = 4.0;             // px about the corresponding triangle
-constexpr int kSameDescriptor = 100'000;    // largest distance (0.38 of unit descriptors, squared)
+constexpr double kBetter = 0.02;          // in correlation, for a match to change its plane
+constexpr double kExtrapolated = 0.8;     // least correlation of what a plane alone puts there …
+constexpr double kFocused = 0.8;          // … and of what descriptors do
+constexpr double kReach = 1.5;            // px
+constexpr double kApart = 3.0;            // px between matches
+constexpr double kMargin = 4.0;           // px about the corresponding triangle
+constexpr int kSameDescriptor = 100'000;  // largest distance (0.38 of unit descriptors, squared)
 constexpr double kFocusedRatio = 0.8;
-constexpr double kAround = 40.0;            // px, from a feature to matches that lend it their planes …
-constexpr std::size_t kNeighbours = 8;      // … the nearest of them
-constexpr double kStretch = 2.0;            // by which distances may grow from member to member
+constexpr double kAround = 40.0;        // px, from a feature to matches that lend it their planes …
+constexpr std::size_t kNeighbours = 8;  // … the nearest of them
+constexpr double kStretch = 2.0;        // by which distances may grow from member to member
 
 // Features by place, for looking up what is near.
 class Buckets {
@@ -42,9 +42,8 @@ class Buckets {
   }
   bool anyWithin(glm::dvec2 at, double distance) const {
     bool any = false;
-    forWithin(at - distance, at + distance, [&](glm::dvec2 other, std::uint32_t) {
-      any = any || glm::distance(at, other) < distance;
-    });
+    forWithin(at - distance, at + distance,
+              [&](glm::dvec2 other, std::uint32_t) { any = any || glm::distance(at, other) < distance; });
     return any;
   }
 
@@ -171,9 +170,8 @@ std::size_t extrapolateLocally(std::vector<PlaneTrack>& tracks, const Propagatio
     const glm::dvec2 pixel(first.at[f]);
     if (taken[f] || added.anyWithin(pixel, kApart)) continue;
     around.clear();
-    matched.forWithin(pixel - kAround, pixel + kAround, [&](glm::dvec2 at, std::uint32_t t) {
-      around.emplace_back(glm::distance(at, pixel), t);
-    });
+    matched.forWithin(pixel - kAround, pixel + kAround,
+                      [&](glm::dvec2 at, std::uint32_t t) { around.emplace_back(glm::distance(at, pixel), t); });
     std::ranges::sort(around);
     if (around.empty() || around[0].first < kApart) continue;
     if (around.size() > kNeighbours) around.resize(kNeighbours);
@@ -223,45 +221,45 @@ std::size_t matchFocused(std::vector<PlaneTrack>& tracks, const Propagation& wit
     for (std::uint32_t f = 0; f < with.features[i].count(); ++f)
       if (!taken[i][f]) free[i].add(with.features[i].at[f], f);
   }
-  return forUnmatched(
-      tracks, with.features[0],
-      [&](const glm::uvec3& t, std::uint32_t f, glm::dvec2 pixel) -> std::optional<PlaneTrack> {
-        PlaneTrack track;
-        track.at[0] = pixel;
-        track.feature[0] = f;
-        for (std::size_t i = 1; i < d; ++i) {
-          int best = kSameDescriptor, second = 2 * kSameDescriptor;
-          const Box box = boxOf(tracks, t, i);
-          free[i].forWithin(box.low, box.high, [&](glm::dvec2 at, std::uint32_t g) {
-            if (taken[i][g]) return;
-            const int distance = descriptorDistance(with.features[0], f, with.features[i], g);
-            if (distance < best) {
-              second = std::min(second, best);
-              best = distance;
-              track.feature[i] = g;
-              track.at[i] = at;
-            } else {
-              second = std::min(second, distance);
-            }
-          });
-          if (track.feature[i] == kNoFeature || best > kFocusedRatio * kFocusedRatio * second) return std::nullopt;
-        }
-        // The corners' planes only lend their slope to the windows that are compared.
-        double best = kFocused;
-        std::optional<PlaneTrack> found;
-        for (const int p : planesOf(tracks, t)) {
-          const PlaneMaps& plane = with.planes[std::size_t(p)];
-          PlaneTrack tried = track;
-          const double correlation = with.patches.align(plane, {tried.at.data(), d}, kReach);
-          if (correlation <= best) continue;
-          best = correlation;
-          tried.plane = plane.error(tried) < kOnPlanePx ? p : -1;
-          found = tried;
-        }
-        if (found)
-          for (std::size_t i = 1; i < d; ++i) taken[i][found->feature[i]] = true;
-        return found;
-      });
+  return forUnmatched(tracks, with.features[0],
+                      [&](const glm::uvec3& t, std::uint32_t f, glm::dvec2 pixel) -> std::optional<PlaneTrack> {
+                        PlaneTrack track;
+                        track.at[0] = pixel;
+                        track.feature[0] = f;
+                        for (std::size_t i = 1; i < d; ++i) {
+                          int best = kSameDescriptor, second = 2 * kSameDescriptor;
+                          const Box box = boxOf(tracks, t, i);
+                          free[i].forWithin(box.low, box.high, [&](glm::dvec2 at, std::uint32_t g) {
+                            if (taken[i][g]) return;
+                            const int distance = descriptorDistance(with.features[0], f, with.features[i], g);
+                            if (distance < best) {
+                              second = std::min(second, best);
+                              best = distance;
+                              track.feature[i] = g;
+                              track.at[i] = at;
+                            } else {
+                              second = std::min(second, distance);
+                            }
+                          });
+                          if (track.feature[i] == kNoFeature || best > kFocusedRatio * kFocusedRatio * second)
+                            return std::nullopt;
+                        }
+                        // The corners' planes only lend their slope to the windows that are compared.
+                        double best = kFocused;
+                        std::optional<PlaneTrack> found;
+                        for (const int p : planesOf(tracks, t)) {
+                          const PlaneMaps& plane = with.planes[std::size_t(p)];
+                          PlaneTrack tried = track;
+                          const double correlation = with.patches.align(plane, {tried.at.data(), d}, kReach);
+                          if (correlation <= best) continue;
+                          best = correlation;
+                          tried.plane = plane.error(tried) < kOnPlanePx ? p : -1;
+                          found = tried;
+                        }
+                        if (found)
+                          for (std::size_t i = 1; i < d; ++i) taken[i][found->feature[i]] = true;
+                        return found;
+                      });
 }
 
 }  // namespace ibr

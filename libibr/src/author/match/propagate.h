@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "author/features/features.h"
-#include "author/sweep/plane_maps.h"
 #include "author/match/plane_patch.h"
+#include "author/sweep/plane_maps.h"
 
 namespace ibr {
 

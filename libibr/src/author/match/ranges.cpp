@@ -24,7 +24,7 @@ struct Fit {
 }  // namespace
 
 RangeFit triangulate(const Camera& frame, std::span<const Camera> members, std::span<const glm::dvec2> pixels,
-                  const RangePrior& prior, double noisePx) {
+                     const RangePrior& prior, double noisePx) {
   const std::size_t d = members.size();
   // (x, y, w) → member's homogeneous pixel: the frame's picture with focal length 1 about its axis, y down.
   Camera unit = frame;

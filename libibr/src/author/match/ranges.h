@@ -32,6 +32,6 @@ inline constexpr double kNoisePx = 0.25;     // least standard deviation of a ma
 /// `frame` is the mean frame (its pixels are not used), `pixels` the match in each member's picture. `noisePx` is the
 /// least standard deviation of a match that is assumed.
 RangeFit triangulate(const Camera& frame, std::span<const Camera> members, std::span<const glm::dvec2> pixels,
-                  const RangePrior& prior, double noisePx);
+                     const RangePrior& prior, double noisePx);
 
 }  // namespace ibr

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
+#include "author/match/match.h"
 
 namespace ibr {
 

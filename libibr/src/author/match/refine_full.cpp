@@ -9,8 +9,8 @@
 #include <glm/mat2x2.hpp>
 #include <glm/matrix.hpp>
 
-#include "author/photographs/masks.h"
 #include "author/geometry/mean_frame.h"
+#include "author/photographs/masks.h"
 
 namespace ibr {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "author/cgal/delaunay.h"
 #include "author/match/plane_labels.h"
-#include "image/raster.h"
 #include "author/match/vertices.h"
+#include "image/raster.h"
 
 namespace ibr {
 namespace {

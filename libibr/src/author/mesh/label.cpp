@@ -196,8 +196,7 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
   return labels;
 }
 
-std::vector<float> worstPairEcc(std::span<const Image8* const> pictures,
-                                std::span<const std::vector<glm::vec2>> member,
+std::vector<float> worstPairEcc(std::span<const Image8* const> pictures, std::span<const std::vector<glm::vec2>> member,
                                 std::span<const glm::uvec3> triangles) {
   const std::size_t d = pictures.size();
   std::vector<glm::vec3> list;

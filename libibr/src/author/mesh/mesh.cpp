@@ -7,13 +7,13 @@
 #include <iterator>
 
 #include "author/cgal/delaunay.h"
-#include "author/mesh/label.h"
-#include "author/mesh/layers.h"
 #include "author/geometry/orientation.h"
 #include "author/match/plane_labels.h"
 #include "author/match/ranges.h"
-#include "author/mesh/uncertainty.h"
 #include "author/match/vertices.h"
+#include "author/mesh/label.h"
+#include "author/mesh/layers.h"
+#include "author/mesh/uncertainty.h"
 
 namespace ibr {
 namespace {
@@ -94,8 +94,7 @@ void layer(std::span<const MatchView> views, const DenseMatch& match, Vertices& 
   }
   surfaces = pieces.size();
   for (const LayerSplit& split : layers.splits)
-    if (replaced[split.triangle])
-      std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
+    if (replaced[split.triangle]) std::ranges::copy_if(split.behind, std::back_inserter(pieces), std::not_fn(folded));
 
   // What turns over between two surfaces shows neither.
   const auto betweenSurfaces = [&](const glm::uvec3& t) {

@@ -6,8 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "image/bilinear.h"
 #include "author/photographs/masks.h"
+#include "image/bilinear.h"
 
 namespace ibr {
 namespace {
@@ -104,8 +104,8 @@ std::optional<double> SilhouetteFinder::between(const SurfaceSample& near, const
   std::vector<double> along;
   for (int k = 0; k <= steps; ++k) {
     const glm::dvec2 p = place(double(k) / steps);
-    along.push_back(double(
-        depth.pixel(std::clamp(int(p.x), 0, depth.width - 1), std::clamp(int(p.y), 0, depth.height - 1))[0]));
+    along.push_back(
+        double(depth.pixel(std::clamp(int(p.x), 0, depth.width - 1), std::clamp(int(p.y), 0, depth.height - 1))[0]));
   }
   const int width = std::min(steps, int(kJumpWidth / kStep));
   int jump = 0;
@@ -121,8 +121,7 @@ std::optional<double> SilhouetteFinder::between(const SurfaceSample& near, const
   for (double part = std::max(middle - reach, kLeastPart); part <= std::min(middle + reach, 1 - kLeastPart);
        part += 0.5 * kStep / length) {
     const double off = (part - middle) / reach, aside = kAcross / length;
-    const double found = contrast(place(part - aside), place(part + aside),
-                                  near.at(place(part), mostExtrapolated())) *
+    const double found = contrast(place(part - aside), place(part + aside), near.at(place(part), mostExtrapolated())) *
                          (1 - 0.5 * off * off);
     if (found > strongest) strongest = found, best = part;
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where a surface ends before another one.
 //
-//   the dense depth jumps between two pixels of the mean frame, somewhere near the surface's true border: windows of the
-//   matcher fatten what stands in front, or wear it off
-//   near the jump, what all members show where the near surface would be changes most across its border: that is it
+//   the dense depth jumps between two pixels of the mean frame, somewhere near the surface's true border: windows of
+//   the matcher fatten what stands in front, or wear it off near the jump, what all members show where the near surface
+//   would be changes most across its border: that is it
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
+#include "author/match/match.h"
 
 namespace ibr {
 

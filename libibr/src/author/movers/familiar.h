@@ -10,8 +10,8 @@
 namespace ibr {
 
 /// Root mean square of the colours' difference between the patch of 5×5 px around each pixel of `where` (8 bits, not
-/// 0) and the nearest one of those around pixels of `around` in any of `exemplars`, some thousand of them at most, evenly
-/// taken; 0 elsewhere, and everywhere where there are none. All pictures: float, 3 channels, equal sizes.
+/// 0) and the nearest one of those around pixels of `around` in any of `exemplars`, some thousand of them at most,
+/// evenly taken; 0 elsewhere, and everywhere where there are none. All pictures: float, 3 channels, equal sizes.
 cv::Mat unfamiliarity(const cv::Mat& picture, const cv::Mat& where, std::span<const cv::Mat> exemplars,
                       const cv::Mat& around);
 

@@ -8,19 +8,19 @@
 #include <utility>
 #include <vector>
 
-#include "author/sweep/window_agreement.h"
 #include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
+#include "author/geometry/mean_frame.h"
+#include "author/movers/familiar.h"
+#include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
+#include "author/pixels/resize.h"
 #include "author/sweep/depth_clean.h"
 #include "author/sweep/depth_edges.h"
 #include "author/sweep/dominant_planes.h"
-#include "author/movers/familiar.h"
-#include "author/photographs/masks.h"
-#include "author/geometry/mean_frame.h"
-#include "author/pixels/resize.h"
 #include "author/sweep/plane_sweep.h"
-#include "author/backdrop/scene_depth.h"
 #include "author/sweep/sgm.h"
+#include "author/sweep/window_agreement.h"
 #include "base/check.h"
 
 namespace ibr {

@@ -12,8 +12,8 @@
 #include <span>
 #include <vector>
 
-#include "author/pixels/bit_mask.h"
 #include "author/movers/movers.h"
+#include "author/pixels/bit_mask.h"
 #include "ibr/scene.h"
 
 namespace ibr {

@@ -9,19 +9,19 @@
 #include <numbers>
 
 #include "author/cgal/delaunay.h"
-#include "author/mesh/label.h"
-#include "author/photographs/masks.h"
-#include "author/panorama/panorama_faces.h"
-#include "author/match/ranges.h"
 #include "author/geometry/simplex.h"
+#include "author/match/ranges.h"
 #include "author/match/vertices.h"
+#include "author/mesh/label.h"
+#include "author/panorama/panorama_faces.h"
+#include "author/photographs/masks.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kFov = kMatchedFaceFov;                   // matches count within 90°
-constexpr double kFacePixels = 2e6;                        // faces are matched at no more than this
-constexpr double kNearest = 1.0, kFarthest = 20.0;         // of assumed points, in largest distances of the members
+constexpr double kFov = kMatchedFaceFov;            // matches count within 90°
+constexpr double kFacePixels = 2e6;                 // faces are matched at no more than this
+constexpr double kNearest = 1.0, kFarthest = 20.0;  // of assumed points, in largest distances of the members
 
 struct Face {
   std::vector<MatchView> views;  // of the members, parallel
@@ -92,8 +92,7 @@ class Maker {
       MatchView& seen = face.views.emplace_back();
       seen.camera = {intrinsics, {view.camera.pose.position, rotation}};
       seen.picture = PanoramaSampler(view.picture).view(intrinsics, turn);
-      if (!view.mask.empty())
-        seen.mask = binaryMask(PanoramaSampler(view.mask).view(intrinsics, turn));
+      if (!view.mask.empty()) seen.mask = binaryMask(PanoramaSampler(view.mask).view(intrinsics, turn));
     }
     std::vector<glm::dvec3> onAxis;  // as far as the points are, in every direction
     for (const double distance : distances_) onAxis.push_back(centre_ + distance * (rotation * glm::dvec3(0, 0, -1)));

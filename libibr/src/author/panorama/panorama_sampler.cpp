@@ -28,8 +28,12 @@ constexpr std::size_t kBehind = 16;  // bytes that may be read behind the last p
 constexpr float kPi = std::numbers::pi_v<float>;
 
 // By value, so that loops with them become vectors.
-inline float least(float a, float b) { return a < b ? a : b; }
-inline float most(float a, float b) { return a > b ? a : b; }
+inline float least(float a, float b) {
+  return a < b ? a : b;
+}
+inline float most(float a, float b) {
+  return a > b ? a : b;
+}
 
 // Abramowitz & Stegun 4.4.49, to 2e-8 where |t| <= 1; then to all quadrants. x = y = 0 gives 0.
 inline float angle(float y, float x) {
@@ -186,7 +190,8 @@ Image8 viewOf(const Source& from, const Intrinsics& k, glm::dquat rotation) {
           const float nearest = *std::min_element(places.across.begin(), places.across.begin() + count);
           const int along = int(std::clamp(wide / most(nearest, 1e-30F) + 0.5F, 1.0F, kMostPlaces));
           if (parts == 1 && along == 1) {
-            sample<C>(from, places, count, wide, 0, [&](int i, const Blended<C>& colour) { colour.store(&row[i * C]); });
+            sample<C>(from, places, count, wide, 0,
+                      [&](int i, const Blended<C>& colour) { colour.store(&row[i * C]); });
             continue;
           }
           samples += along;

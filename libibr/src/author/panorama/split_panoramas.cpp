@@ -9,10 +9,10 @@
 #include <numbers>
 #include <optional>
 
-#include "base/parallel.h"
 #include "author/photographs/photographs.h"
 #include "base/check.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "ibr/author.h"
 #include "ibr/panorama.h"
@@ -135,8 +135,8 @@ class Splitter {
           "{}: faces of {} px are too large; give a smaller size or field of view", photo.source.string(), size);
     report_.size = size;
     const Intrinsics intrinsics = faceIntrinsics(size, fov);
-    const bool jpeg = options_.format == PictureFormat::jpeg ||
-                      (options_.format == PictureFormat::asSource && isJpeg(photo.source));
+    const bool jpeg =
+        options_.format == PictureFormat::jpeg || (options_.format == PictureFormat::asSource && isJpeg(photo.source));
     const fs::path name = fs::path(image.name.substr(commonFolder(input_.images))).replace_extension();
     for (const PanoramaFace& face : faces_)
       result_.images.push_back(
@@ -186,17 +186,15 @@ class Splitter {
   bool wanted(std::size_t done) const {
     return !progress_ || progress_({"splitting panoramas", done, input_.images.size() * faces_.size()});
   }
-  void progressed(std::size_t done) const {
-    check(wanted(done), ErrorCode::cancelled, "the splitting was cancelled");
-  }
+  void progressed(std::size_t done) const { check(wanted(done), ErrorCode::cancelled, "the splitting was cancelled"); }
 
   const SplitOptions& options_;
   const ProgressCallback& progress_;
   const LogCallback& log_;
   std::vector<PanoramaFace> faces_;
-  fs::path folder_;              // that names of input_ are relative to
-  PosedModel input_;             // panoramas only
-  PosedModel result_;            // the faces of a panorama side by side
+  fs::path folder_;    // that names of input_ are relative to
+  PosedModel input_;   // panoramas only
+  PosedModel result_;  // the faces of a panorama side by side
   SplitReport report_;
 };
 

@@ -12,7 +12,7 @@ namespace ibr {
 
 /// What is left of tier 0, by areas in the first member.
 struct BorderCut {
-  double left = 1;                                         // share of it; 1 where there is no border
+  double left = 1;                                        // share of it; 1 where there is no border
   double ecc = std::numeric_limits<double>::quiet_NaN();  // mean of MorphMesh::ecc over it; NaN where nothing is left
 };
 

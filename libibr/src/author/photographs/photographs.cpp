@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kReadingVersion = 2;  // of files: raise it when pictures come out of them differently
-constexpr double kBytesPerPixel = 20;  // picture (3), mips (4 + 4/3) and the encoded texture (as much)
-constexpr double kTiffRaster = 4;      // bytes of a pixel, while it is read
+constexpr double kBytesPerPixel = 20;         // picture (3), mips (4 + 4/3) and the encoded texture (as much)
+constexpr double kTiffRaster = 4;             // bytes of a pixel, while it is read
 
 std::string lowerExtension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -76,8 +76,7 @@ bool isJpeg(const fs::path& path) {
   return lowerExtension(path) == ".jpg" || lowerExtension(path) == ".jpeg";
 }
 
-Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize,
-                          Orientation orientation) {
+Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int maxSize, Orientation orientation) {
   Photograph photo;
   photo.name = image.name;
   photo.source = pathInside(folder, image.name);
@@ -94,8 +93,9 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const bool swaps = info.orientation >= 5, storedFits = sameShape(width, height, camera);
   const bool turnedFits = swaps ? sameShape(height, width, camera) : storedFits;
   photo.turnUnsure = info.orientation != 1 && storedFits && turnedFits;
-  photo.applyOrientation = orientation == Orientation::automatic ? !storedFits && turnedFits
-                                                                 : orientation == Orientation::exif && info.orientation != 1;
+  photo.applyOrientation = orientation == Orientation::automatic
+                               ? !storedFits && turnedFits
+                               : orientation == Orientation::exif && info.orientation != 1;
   if (photo.applyOrientation && swaps) std::swap(width, height);
   check(sameShape(width, height, camera), ErrorCode::invalidInput,
         "{}: {}x{} px, but the model's camera has {}x{}, of other proportions", photo.source.string(), width, height,
@@ -106,8 +106,8 @@ Photograph findPhotograph(const fs::path& folder, const PosedImage& image, int m
   const bool smaller = maxSize > 0 && longest > maxSize;
   photo.camera = {smaller ? scaled(photo.whole, double(maxSize) / longest) : photo.whole, image.camera.pose};
   const bool calledPng = isPng(photo.source);
-  const bool asCalled = info.format == ImageFormat::png ? calledPng
-                                                          : info.format == ImageFormat::jpeg && isJpeg(photo.source);
+  const bool asCalled =
+      info.format == ImageFormat::png ? calledPng : info.format == ImageFormat::jpeg && isJpeg(photo.source);
   photo.copied = asCalled && !smaller && !photo.applyOrientation && !photo.lens;
   photo.imageFile = fs::path("images") / (asCalled || calledPng ? image.name : image.name + ".png");
   photo.textureFile = fs::path("textures") / (image.name + ".ktx2");

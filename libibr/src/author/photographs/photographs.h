@@ -21,18 +21,18 @@ namespace ibr {
 struct Photograph {
   std::string name;
   std::filesystem::path source;
-  bool applyOrientation = false;                 // the model's camera is that of the picture turned upright
-  bool turnUnsure = false;  // EXIF says that it is turned, and the camera fits both ways
+  bool applyOrientation = false;  // the model's camera is that of the picture turned upright
+  bool turnUnsure = false;        // EXIF says that it is turned, and the camera fits both ways
   double sourcePixels = 0;
-  double sourceBytes = 0;  // of memory, beside the picture, while it is read
+  double sourceBytes = 0;                        // of memory, beside the picture, while it is read
   std::optional<Lens> lens;                      // that took it, where it is undistorted before it is stored
   bool copied = false;                           // stored byte by byte
   CaptureFacts capture;                          // that its file tells
   Intrinsics whole;                              // undistorted, at the size of the file
   Camera camera;                                 // intrinsics at the stored size
   std::filesystem::path imageFile, textureFile;  // relative to the scene's folder
-  std::filesystem::path mask = {};               // of its source, as it was given; empty: none (author/photographs/masks.h)
-  std::filesystem::path storedMask = {};         // once it is stored: the scene's, which masks what moved as well
+  std::filesystem::path mask = {};        // of its source, as it was given; empty: none (author/photographs/masks.h)
+  std::filesystem::path storedMask = {};  // once it is stored: the scene's, which masks what moved as well
 };
 
 inline constexpr int kJpegQuality = 95;  // of what is stored anew

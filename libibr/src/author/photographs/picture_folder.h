@@ -18,8 +18,8 @@ struct PictureFolder {
 };
 
 /// Names are relative to the folder (with '/'), sorted. Folders below it are looked at, links to folders are not. Left
-/// out without a word: hidden files and folders (._IMG_1.jpg), scenes, previews that other programs keep in folders of their
-/// own, and files beside a picture of the same name but for the extension (IMG_1.CR2 beside IMG_1.JPG). Throws
+/// out without a word: hidden files and folders (._IMG_1.jpg), scenes, previews that other programs keep in folders of
+/// their own, and files beside a picture of the same name but for the extension (IMG_1.CR2 beside IMG_1.JPG). Throws
 /// std::filesystem::filesystem_error.
 PictureFolder lookInto(const std::filesystem::path& folder);
 

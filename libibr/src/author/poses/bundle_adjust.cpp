@@ -123,7 +123,8 @@ class Adjustment {
         double* const pose = unknowns_.poses[seen.camera].data();
         double* const lens = unknowns_.lenses[lensOf_.at(camera.intrinsics)].data();
         double* const point = unknowns_.points[p].data();
-        problem_.AddResidualBlock(new Residual(camera.camera, anchored_[p], seen.pixel), loss_.get(), pose, lens, point);
+        problem_.AddResidualBlock(new Residual(camera.camera, anchored_[p], seen.pixel), loss_.get(), pose, lens,
+                                  point);
         order_->AddElementToGroup(point, 0);
         order_->AddElementToGroup(pose, 1);
         order_->AddElementToGroup(lens, 2);

@@ -8,8 +8,8 @@
 #include <set>
 #include <unordered_map>
 
-#include "author/poses/colmap_records.h"
 #include "author/geometry/world_to_camera.h"
+#include "author/poses/colmap_records.h"
 #include "base/check.h"
 #include "ibr/author.h"
 

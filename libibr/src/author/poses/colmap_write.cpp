@@ -4,8 +4,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
 
-#include "author/poses/colmap_records.h"
 #include "author/geometry/lens_distortion.h"
+#include "author/poses/colmap_records.h"
 #include "base/check.h"
 #include "base/file.h"
 #include "ibr/author.h"
@@ -20,8 +20,8 @@ void append(std::string& text, fmt::format_string<Args...> format, Args&&... arg
 
 // The reader takes the rest of a line for the name, without blanks at its ends.
 void checkName(const std::string& name) {
-  const bool ends = !name.empty() && name.front() != ' ' && name.back() != ' ' && name.front() != '\t' &&
-                    name.back() != '\t';
+  const bool ends =
+      !name.empty() && name.front() != ' ' && name.back() != ' ' && name.front() != '\t' && name.back() != '\t';
   check(ends && name.find_first_of("\r\n") == name.npos, ErrorCode::invalidInput,
         "\"{}\" cannot be the name of an image in a COLMAP text model", name);
 }

@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "author/photographs/masks.h"
-#include "base/parallel.h"
 #include "author/photographs/photographs.h"
 #include "author/photographs/picture_folder.h"
 #include "base/check.h"
 #include "base/child_process.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/parallel.h"
 #include "base/parse.h"
 #include "ibr/author.h"
 #include "io/image_file.h"
@@ -28,7 +28,7 @@ constexpr std::uint64_t kVersion = 2;        // of the steps: raise it when they
 constexpr std::size_t kMostExhaustive = 60;  // photographs that are all matched with each other
 constexpr std::size_t kBlocks = 8;           // of photographs, matched two by two
 constexpr std::size_t kLinesInErrors = 12;
-constexpr double kBytesPerPixel = 14;         // that reading and turning a photograph take
+constexpr double kBytesPerPixel = 14;  // that reading and turning a photograph take
 constexpr const char* kLooking = "looking at photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
@@ -285,10 +285,18 @@ class Estimator {
   void findFeatures() {
     learnNames();
     // Photographs of one size are most often of one lens: its focal length is then found more surely.
-    std::vector<std::string> arguments{
-        "--database_path",   file("database.db").string(),     "--image_path",                pictures().string(),
-        "--image_list_path", file("photographs.txt").string(), "--ImageReader.single_camera", sameSize() ? "1" : "0",
-        extraction_ + ".use_gpu", "0", extraction_ + ".num_threads", threads()};
+    std::vector<std::string> arguments{"--database_path",
+                                       file("database.db").string(),
+                                       "--image_path",
+                                       pictures().string(),
+                                       "--image_list_path",
+                                       file("photographs.txt").string(),
+                                       "--ImageReader.single_camera",
+                                       sameSize() ? "1" : "0",
+                                       extraction_ + ".use_gpu",
+                                       "0",
+                                       extraction_ + ".num_threads",
+                                       threads()};
     if (copyMasks()) arguments.insert(arguments.end(), {"--ImageReader.mask_path", file("masks").string()});
     step("feature_extractor", kFeatures, arguments, bracketed);
   }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "author/poses/bundle_adjust.h"
 #include "author/geometry/posed_model.h"
+#include "author/poses/bundle_adjust.h"
 
 namespace ibr {
 namespace {
@@ -54,8 +54,7 @@ std::vector<LocalTrack> localTracks(const PosedModel& model, std::span<const std
   return tracks;
 }
 
-std::vector<Pose> locallyAdjusted(std::span<const Camera> members, std::span<const LocalTrack> tracks,
-                                  double leastPx) {
+std::vector<Pose> locallyAdjusted(std::span<const Camera> members, std::span<const LocalTrack> tracks, double leastPx) {
   std::vector<BundleCamera> cameras;
   double longest = 0;
   for (const Camera& member : members) {

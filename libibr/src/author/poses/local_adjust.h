@@ -3,8 +3,8 @@
 // photographs half a pixel off each other, and a plane sweep finds nothing there; what one cell's tracks say about its
 // few members is far more exact than what the whole model settled on. The morph keeps the model's poses.
 //
-// The first member is fixed; poses of the others and all points are free (bundle_adjust.h); a weak prior holds the poses,
-// and with them the scale.
+// The first member is fixed; poses of the others and all points are free (bundle_adjust.h); a weak prior holds the
+// poses, and with them the scale.
 #pragma once
 
 #include <glm/vec2.hpp>

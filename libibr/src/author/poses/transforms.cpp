@@ -38,12 +38,12 @@ Pose poseOf(const JsonValue& matrix) {
     for (int j = 0; j < 3; ++j) turn[j][i] = rows[i][j];
   for (int j = 0; j < 3; ++j)
     if (!(std::abs(glm::length(turn[j]) - 1.0) <= kRounding))
-      matrix.fault(fmt::format("is no rigid motion: its column {} has length {}, not 1: the camera's axes are scaled", j,
-                               glm::length(turn[j])));
+      matrix.fault(fmt::format("is no rigid motion: its column {} has length {}, not 1: the camera's axes are scaled",
+                               j, glm::length(turn[j])));
   for (int j = 0; j < 3; ++j)
     if (!(std::abs(glm::dot(turn[j], turn[(j + 1) % 3])) <= kRounding))
-      matrix.fault(fmt::format("is no rigid motion: its columns {} and {} are not at right angles: sheared", j,
-                               (j + 1) % 3));
+      matrix.fault(
+          fmt::format("is no rigid motion: its columns {} and {} are not at right angles: sheared", j, (j + 1) % 3));
   if (!(glm::determinant(turn) > 0)) matrix.fault("is no rigid motion, but a mirror image: its determinant is -1");
   return {{rows[0][3], rows[1][3], rows[2][3]}, glm::normalize(glm::quat_cast(turn))};
 }
@@ -86,7 +86,8 @@ double focalOf(const Fields& fields, const char* focal, const char* angle, int s
   const auto value = fields.find(angle);
   if (!value) return otherwise;
   const double radians = value->number();
-  if (!(radians > 0 && radians < 3.14)) value->fault(fmt::format("{} is no angle between 0 and π, in radians", radians));
+  if (!(radians > 0 && radians < 3.14))
+    value->fault(fmt::format("{} is no angle between 0 and π, in radians", radians));
   return 0.5 * size / std::tan(0.5 * radians);
 }
 
@@ -99,7 +100,7 @@ void demandZero(const Fields& fields, std::initializer_list<const char*> keys, c
 void setCamera(PosedImage& image, const Fields& fields, int width, int height, Border border) {
   const auto named = fields.find("camera_model");
   const auto fisheye = fields.find("is_fisheye");
-  const std::string model = named                                                            ? named->string()
+  const std::string model = named                                                              ? named->string()
                             : fisheye && fisheye->raw().is_boolean() && fisheye->raw() == true ? "OPENCV_FISHEYE"
                                                                                                : "OPENCV";
   Intrinsics& k = image.camera.intrinsics;

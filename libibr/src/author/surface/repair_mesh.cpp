@@ -13,8 +13,8 @@
 #include <map>
 #include <set>
 
-#include "author/surface/flat_faces.h"
 #include "author/geometry/disjoint_sets.h"
+#include "author/surface/flat_faces.h"
 #include "scene/scene_faults.h"
 
 namespace ibr {

@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
-#include "author/photographs/masks.h"
 #include "author/geometry/match_view.h"
 #include "author/geometry/mean_frame.h"
+#include "author/photographs/masks.h"
 
 namespace ibr {
 namespace {

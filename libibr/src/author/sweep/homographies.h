@@ -14,8 +14,8 @@
 
 namespace ibr {
 
-inline constexpr double kOnPlanePx = 1.5;      // from where a homography puts a match to where it is
-inline constexpr std::size_t kMostPlanes = 400;   // of a cell
+inline constexpr double kOnPlanePx = 1.5;        // from where a homography puts a match to where it is
+inline constexpr std::size_t kMostPlanes = 400;  // of a cell
 
 /// Matches that make a plane: three times those that fix one.
 inline std::size_t leastOnPlane(const PlaneFitter& fit) {

@@ -93,8 +93,7 @@ std::optional<PlaneMaps> PlaneFitter::withPoses(std::span<const PlaneTrack* cons
   const double scale = normal[2][2];
   if (!(std::abs(glm::determinant(normal)) > 1e-15 * scale * scale * scale)) return std::nullopt;
   const glm::dvec3 local = glm::inverse(normal) * right;
-  const glm::dvec3 n(local.x / unit_, local.y / unit_,
-                     local.z - glm::dot(glm::dvec2(local), centre_) / unit_);
+  const glm::dvec3 n(local.x / unit_, local.y / unit_, local.z - glm::dot(glm::dvec2(local), centre_) / unit_);
   PlaneMaps plane{{glm::dmat3(1.0)}};
   for (std::size_t i = 1; i < maps_.size(); ++i) plane.to.push_back(maps_[i].a + glm::outerProduct(maps_[i].b, n));
   return plane;
@@ -108,8 +107,8 @@ std::optional<PlaneMaps> PlaneFitter::withoutPoses(std::span<const PlaneTrack* c
       from.emplace_back(float(track->at[0].x), float(track->at[0].y));
       to.emplace_back(float(track->at[i].x), float(track->at[i].y));
     }
-    const cv::Mat found = tracks.size() == 4 ? cv::getPerspectiveTransform(from.data(), to.data())
-                                             : cv::findHomography(from, to, 0);
+    const cv::Mat found =
+        tracks.size() == 4 ? cv::getPerspectiveTransform(from.data(), to.data()) : cv::findHomography(from, to, 0);
     if (found.empty() || !cv::checkRange(found)) return std::nullopt;
     glm::dmat3 h = fromCv(found);
     // The sign that has the tracks before the member.

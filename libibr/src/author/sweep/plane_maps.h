@@ -2,8 +2,8 @@
 // A plane as the members of a cell see it: a homography from the first member's picture to each other's.
 //
 // Without poses each has 8 degrees of freedom of its own. With poses one plane has 3: its inverse depth along the first
-// member's axis is linear in the picture, w = n·(x, y, 1), and member i sees it by H_i = A_i + b_i nᵀ, where A_i and b_i
-// are those of FrameToMember.
+// member's axis is linear in the picture, w = n·(x, y, 1), and member i sees it by H_i = A_i + b_i nᵀ, where A_i and
+// b_i are those of FrameToMember.
 #pragma once
 
 #include <array>
@@ -33,7 +33,8 @@ struct PlaneMaps {
 
   /// nullopt where a member has it behind itself.
   std::optional<std::array<glm::dvec2, kMostMembers>> operator()(glm::dvec2 pixel) const;
-  /// Largest distance of the track from where the plane puts its first place, px; infinite where a member has it behind.
+  /// Largest distance of the track from where the plane puts its first place, px; infinite where a member has it
+  /// behind.
   double error(const PlaneTrack& track) const;
 };
 

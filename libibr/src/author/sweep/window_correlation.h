@@ -35,8 +35,8 @@ struct WarpedView {
   ImageF grey;
   std::vector<int> first, last;
   std::vector<std::uint8_t> ignored;  // 1 where the view's mask is 0; empty where it has none
-  std::vector<int> corner;    // of the row at hand: where each pixel's four neighbours begin
-  std::vector<float> fu, fv;  // and its place between them
+  std::vector<int> corner;            // of the row at hand: where each pixel's four neighbours begin
+  std::vector<float> fu, fv;          // and its place between them
 
   WarpedView(int width, int height);
 };

@@ -17,9 +17,9 @@ class Instance {
  public:
   /// Null, as for a borrowed device.
   Instance() = default;
-  /// Debug utils are enabled where there are such. With validation as gpu/device/validation.h has it, errors and warnings to
-  /// `messages`, which must outlive the instance. Throws Error{unsupported} that names what is missing: a driver, the
-  /// layer, an extension.
+  /// Debug utils are enabled where there are such. With validation as gpu/device/validation.h has it, errors and
+  /// warnings to `messages`, which must outlive the instance. Throws Error{unsupported} that names what is missing: a
+  /// driver, the layer, an extension.
   Instance(std::span<const std::string> extensions, bool validation, Messages& messages);
 
   VkInstance get() const noexcept { return instance_.get(); }

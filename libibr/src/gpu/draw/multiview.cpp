@@ -3,8 +3,8 @@
 
 #include "gpu/draw/canvas.h"
 #include "gpu/draw/pipeline.h"
-#include "gpu/transfer/readback.h"
 #include "gpu/draw/rendering.h"
+#include "gpu/transfer/readback.h"
 #include "gpu/transfer/submit.h"
 #include "shaders/multiview_probe_frag.h"
 #include "shaders/multiview_probe_vert.h"

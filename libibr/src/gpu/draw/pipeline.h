@@ -52,7 +52,8 @@ struct ComputePipelineInfo {
   VkPipelineLayout layout = VK_NULL_HANDLE;
 };
 
-/// Of `spirv`, or of what stands in for it on this device (gpu/device/shader_replacements.h), as in the pipelines below.
+/// Of `spirv`, or of what stands in for it on this device (gpu/device/shader_replacements.h), as in the pipelines
+/// below.
 ShaderModuleHandle shaderModule(const Device& device, std::span<const std::uint32_t> spirv);
 PipelineHandle makeGraphicsPipeline(const Device& device, const GraphicsPipelineInfo& info);
 PipelineHandle makeComputePipeline(const Device& device, const ComputePipelineInfo& info);

@@ -6,8 +6,8 @@
 
 #include "base/check.h"
 #include "gpu/device/debug.h"
-#include "gpu/transfer/format.h"
 #include "gpu/device/memory.h"
+#include "gpu/transfer/format.h"
 
 namespace ibr {
 namespace {

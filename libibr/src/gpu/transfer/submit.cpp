@@ -18,8 +18,7 @@ VkResult waitIdle(const Device& device) {
   return result;
 }
 
-Submission::Submission(const Device& device)
-    : device_(&device) {
+Submission::Submission(const Device& device) : device_(&device) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
                                          .queueFamilyIndex = device.queueFamily()};

@@ -43,7 +43,8 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.principal = {float(k.cx / k.width), float(k.cy / k.height)};
     member.position = float(step.weights.position[i]);
     member.blend = float(step.weights.blend[i]);
-    if (step.mesh->masked && step.tier == kTierAgrees) member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
+    if (step.mesh->masked && step.tier == kTierAgrees)
+      member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
     member.layer = step.mesh->layers[i];
     shift += step.weights.position[i] * (camera.pose.position - eye.pose.position);
   }

@@ -9,8 +9,8 @@
 
 #include <map>
 
-#include "gpu/transfer/buffer.h"
 #include "gpu/device/handle.h"
+#include "gpu/transfer/buffer.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/passes/cell_pipeline.h"
@@ -39,8 +39,8 @@ class CellPass {
   /// The current order of both views, inside the pass of the canvas for both eyes.
   void drawEyes(VkCommandBuffer commandBuffer, const FramePlan& plan, VkExtent2D extent) const noexcept;
 
-  // For other passes that draw steps, with pipelines of their own (render/passes/cell_pipeline.h) whose layouts begin with
-  // frameLayout and that of the scene's PhotographSets.
+  // For other passes that draw steps, with pipelines of their own (render/passes/cell_pipeline.h) whose layouts begin
+  // with frameLayout and that of the scene's PhotographSets.
   VkDescriptorSetLayout frameLayout() const noexcept { return frameLayout_.get(); }
   const GpuScene::State& scene() const noexcept { return *scene_; }
   std::uint32_t firstParameter(Order order, std::size_t view) const noexcept;  // of the first step

@@ -5,11 +5,11 @@
 #include <cassert>
 
 #include "base/check.h"
-#include "gpu/transfer/barrier.h"
 #include "gpu/draw/descriptors.h"
-#include "gpu/transfer/format.h"
 #include "gpu/draw/pipeline.h"
 #include "gpu/draw/rendering.h"
+#include "gpu/transfer/barrier.h"
+#include "gpu/transfer/format.h"
 #include "render/passes/floor_plane.h"
 #include "shaders/composite_frag.h"
 #include "shaders/composite_vert.h"

@@ -5,8 +5,8 @@
 #include <compare>
 #include <map>
 
-#include "gpu/draw/canvas.h"
 #include "gpu/device/handle.h"
+#include "gpu/draw/canvas.h"
 #include "ibr/renderer.h"
 #include "render/passes/fill_pass.h"
 

@@ -5,8 +5,8 @@
 
 #include <vector>
 
-#include "gpu/transfer/gpu_image.h"
 #include "gpu/device/handle.h"
+#include "gpu/transfer/gpu_image.h"
 #include "ibr/device.h"
 #include "render/passes/canvas_source.h"
 

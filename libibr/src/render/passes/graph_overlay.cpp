@@ -11,11 +11,11 @@
 #include <ranges>
 
 #include "base/check.h"
+#include "gpu/draw/pipeline.h"
+#include "gpu/draw/rendering.h"
 #include "gpu/transfer/barrier.h"
 #include "gpu/transfer/buffer.h"
 #include "gpu/transfer/format.h"
-#include "gpu/draw/pipeline.h"
-#include "gpu/draw/rendering.h"
 #include "gpu/transfer/upload.h"
 #include "ibr/scene.h"
 #include "image/srgb.h"

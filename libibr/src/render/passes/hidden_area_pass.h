@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
 #include "gpu/device/handle.h"
+#include "gpu/transfer/buffer.h"
 #include "ibr/renderer.h"
 
 namespace ibr {

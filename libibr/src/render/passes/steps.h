@@ -16,8 +16,8 @@
 #include <span>
 
 #include "ibr/renderer.h"
-#include "render/resident/gpu_scene_state.h"
 #include "render/plan/draw_order.h"
+#include "render/resident/gpu_scene_state.h"
 
 namespace ibr {
 

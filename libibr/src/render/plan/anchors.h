@@ -22,8 +22,8 @@ std::vector<std::uint32_t> meshesOfNodes(const Scene& scene);
 std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& mesh,
                                           std::span<const std::uint32_t> meshesOfNode);
 
-/// Those of all meshes, looked up when they are first asked for: scenes that are not aligned do not pay for them. By any
-/// thread.
+/// Those of all meshes, looked up when they are first asked for: scenes that are not aligned do not pay for them. By
+/// any thread.
 class AnchorsOnDemand {
  public:
   struct OfMeshes {

@@ -2,8 +2,8 @@
 // Cells and backdrops that show the same photographs are moved a little, so that they agree on where its places are
 // seen, though poses be wrong ([T] §2.6.4, fig. 14). Pure.
 //
-// At each anchor (render/plan/anchors.h) two meshes differ by an angle, which for exact poses and matches is none. Between
-// two meshes that is brought to a small rigid motion, robustly; all motions x together minimise
+// At each anchor (render/plan/anchors.h) two meshes differ by an angle, which for exact poses and matches is none.
+// Between two meshes that is brought to a small rigid motion, robustly; all motions x together minimise
 //   Σ over pairs √(m_a m_b) (x_b − x_a − x_ab)ᵀ M_ab (x_b − x_a − x_ab) + κ Σ m_a x_a²
 // so that meshes near the view (mass m) hardly move, and those further off follow them. What is joined by it changes
 // continuously with the view; nothing depends on the order of meshes. At a photograph's own pose it counts alone, all

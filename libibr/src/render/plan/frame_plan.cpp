@@ -15,9 +15,9 @@
 
 #include "base/check.h"
 #include "ibr/renderer.h"
-#include "render/plan/cell_alignment.h"
 #include "render/plan/anchors.h"
 #include "render/plan/backdrop_choice.h"
+#include "render/plan/cell_alignment.h"
 #include "render/plan/cell_choice.h"
 #include "render/plan/cell_order.h"
 #include "render/plan/colour_plan.h"
@@ -126,7 +126,8 @@ class Planner {
     planned.rotationalDistance = fromMiddle.rotation;
     const double limit = settings_.extrapolationLimit * bounds_.cells[index].size;
     const double fade = settings_.fadeShare * limit;
-    if (fade > 0 && std::isfinite(fade)) planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
+    if (fade > 0 && std::isfinite(fade))
+      planned.opacity = std::clamp((limit - fromMiddle.extrapolation) / fade, 0.0, 1.0);
     for (std::size_t v = 0; v < plan_.views.size(); ++v) {
       const Barycentric weights =
           plan_.views.size() == 1 ? fromMiddle.weights

@@ -32,8 +32,8 @@ struct WantedOrder {
 std::vector<ShownMesh> showMeshes(std::span<const ShownMesh> before, const WantedOrder& wanted, double step);
 
 /// The order wanted, but not before the last change of the one shown has faded: until then what is shown and visible
-/// keeps its place, and what comes into view, unlike what was hidden, stands behind it; `most` in all. Where that is less
-/// than half of what is wanted, it is the order wanted at once: too much would be missing.
+/// keeps its place, and what comes into view, unlike what was hidden, stands behind it; `most` in all. Where that is
+/// less than half of what is wanted, it is the order wanted at once: too much would be missing.
 std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted,
                                            std::size_t most);
 

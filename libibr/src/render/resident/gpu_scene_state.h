@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // What GpuScene holds, for the passes of this layer.
 //
-// A photograph is resident once, as a layer of a page: an array image of one picture size and format (resident_photographs.h). A
-// cell's four texture slots are bound by a descriptor set (photograph_sets.h), so members may differ in size and no
-// sampler is ever indexed.
+// A photograph is resident once, as a layer of a page: an array image of one picture size and format
+// (resident_photographs.h). A cell's four texture slots are bound by a descriptor set (photograph_sets.h), so members
+// may differ in size and no sampler is ever indexed.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "gpu/transfer/buffer.h"
 #include "gpu/device/handle.h"
+#include "gpu/transfer/buffer.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
 #include "render/resident/photograph_sets.h"
@@ -33,7 +33,7 @@ struct GpuScene::State {
     bool exposed = false;                // a photograph of the scene has one that is not 1
     bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
-    IndexRange tier[2];                       // agreeing, rejected (of a backdrop: stretched)
+    IndexRange tier[2];                  // agreeing, rejected (of a backdrop: stretched)
     VkDescriptorSet photographs = VK_NULL_HANDLE;
   };
 

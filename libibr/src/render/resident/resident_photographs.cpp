@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t kStandInSide = 64;       // px, at most
 constexpr std::uint64_t kStandInShare = 4;       // of the budget they take at most one part in so many
 constexpr std::uint64_t kLeastPhotographs = 16;  // a budget should hold so many at the size they are streamed at
-constexpr std::uint64_t kPagesInBudget = 16;  // at least, so that memory can go from one class to another
+constexpr std::uint64_t kPagesInBudget = 16;     // at least, so that memory can go from one class to another
 
 template <class... Arguments>
 void say(const LogCallback& log, LogLevel level, fmt::format_string<Arguments...> format, Arguments&&... arguments) {

@@ -97,8 +97,8 @@ class Candidates {
         if (std::abs(glm::dot(u, v)) > 0.5 * glm::length(u) * glm::length(v)) continue;
         const glm::dvec3 corner = at.position + u + v;
         const double shorter = std::min(glm::length(u), glm::length(v));
-        if (std::ranges::any_of(all,
-                                [&](const CaptureSite& p) { return glm::distance(p.position, corner) < kTaken * shorter; }))
+        if (std::ranges::any_of(
+                all, [&](const CaptureSite& p) { return glm::distance(p.position, corner) < kTaken * shorter; }))
           continue;
         for (const std::uint32_t n : at.nodes)
           put(corner, pose(n).rotation, n, {a, b, c}, {n, all[a].nodes[0], all[b].nodes[0]},

@@ -5,9 +5,9 @@
 // a grid lacks, and beside a row that nothing leads aside from. From a stand one looks as the photographs around it
 // look; what they see (points of their depth grids) is shown as well as the photograph allows that sees it from the
 // nearest direction: f(α) = exp(−α / kAngle), α the angle at the point between stand and photograph. Fitted to the
-// coverage of 104 cells of five photograph sets, α that from the cell's middle at the middle distance: 0.65·f(α), with a
-// mean error of 0.09. The sum over stands is submodular in the set of photographs: taking the best further one again and
-// again comes within 1 − 1/e of the best set (Nemhauser et al. 1978).
+// coverage of 104 cells of five photograph sets, α that from the cell's middle at the middle distance: 0.65·f(α), with
+// a mean error of 0.09. The sum over stands is submodular in the set of photographs: taking the best further one again
+// and again comes within 1 − 1/e of the best set (Nemhauser et al. 1978).
 #pragma once
 
 #include <cstdint>

@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include "author/align/alignment_grid.h"
+#include "author/align/range_again.h"
 #include "author/geometry/epipolar_direction.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/mesh_signs.h"
-#include "author/align/range_again.h"
 #include "author/mesh/uncertainty.h"
 #include "base/file.h"
 #include "ibr/texture.h"

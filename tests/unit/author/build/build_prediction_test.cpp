@@ -88,7 +88,8 @@ TEST_CASE("refining poses is part of what a build takes where it is asked for, o
 TEST_CASE("comparing exposures is part of what a build takes, unless it is not asked for") {
   BuildWork work = someWork(8);
   const auto compared = [](const std::vector<StageCost>& stages) {
-    return std::ranges::find_if(stages, [](const auto& s) { return std::string_view(s.stage) == "comparing exposures"; });
+    return std::ranges::find_if(stages,
+                                [](const auto& s) { return std::string_view(s.stage) == "comparing exposures"; });
   };
   const std::vector<StageCost> without = costOf(work, {}, TextureFormat::rgba8, {});
   CHECK(compared(without) == without.end());
@@ -173,8 +174,7 @@ TEST_CASE("to look for what moved costs more the more photographs judge, and is 
   work.judgePixels = 24e6;
   const double judged = secondsOf(costOf(work, one, TextureFormat::rgba8, {}));
   CHECK(judged > alone);
-  CHECK(secondsOf(costOf(work, {1, 1, 1, 1, 4}, TextureFormat::rgba8, {})) ==
-        Approx(without + (judged - without) / 4));
+  CHECK(secondsOf(costOf(work, {1, 1, 1, 1, 4}, TextureFormat::rgba8, {})) == Approx(without + (judged - without) / 4));
 
   const test::CourtPhotographs set = court(6);
   BuildOptions options = set.options;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // build() from files to files, on a small synthetic set.
+#include <fmt/format.h>
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <span>
 
 #include "author/build/cell_cache.h"
-#include "base/parallel.h"
 #include "author/exposure/vignetting.h"
 #include "base/file.h"
+#include "base/parallel.h"
 #include "base/usage.h"
 #include "ibr/author.h"
 #include "ibr/error.h"
@@ -225,8 +225,8 @@ TEST_CASE("the same bytes from one thread and from two, and after a cancelled bu
   const auto expected = filesBelow(one.output);
   CHECK(filesBelow(two.output) == expected);
 
-  const Error error =
-      test::errorOf([&] { build(stopped, [](const Progress& p) { return !(p.stage == "matching cells" && p.done >= 1); }); });
+  const Error error = test::errorOf(
+      [&] { build(stopped, [](const Progress& p) { return !(p.stage == "matching cells" && p.done >= 1); }); });
   CHECK(error.code() == ErrorCode::cancelled);
   CHECK_FALSE(fs::exists(stopped.output / "scene.gltf"));
   CHECK(std::distance(fs::directory_iterator(stopped.output / ".build"), fs::directory_iterator()) >= 1);
@@ -405,8 +405,8 @@ TEST_CASE("photographs may be held out, made smaller, or larger than the model's
   CHECK(scene.nodes[0].camera.intrinsics.fx == Approx(set.model.images[0].camera.intrinsics.fx * 200 / 128));
   CHECK(probeImage(scene.folder / scene.nodes[0].imageFile).width == 200);
   CHECK(validateSceneFiles(options.output).empty());
-  CHECK(std::none_of(report.unused.begin(), report.unused.end(),
-                     [](const auto& u) { return u.name == "sub/003.png"; }));
+  CHECK(
+      std::none_of(report.unused.begin(), report.unused.end(), [](const auto& u) { return u.name == "sub/003.png"; }));
 }
 
 TEST_CASE("masks go into the scene and into the textures' alpha, in every format") {
@@ -597,7 +597,8 @@ TEST_CASE("jobs run once each, stop when asked, and hand on the first error") {
     const auto failing = [](std::size_t i) {
       if (i >= 5) throw Error(ErrorCode::io, std::to_string(i));
     };
-    CHECK_THAT(test::errorOf([&] { runJobs(50, threads, failing, [](std::size_t) { return true; }); }).what(), Contains("5"));
+    CHECK_THAT(test::errorOf([&] { runJobs(50, threads, failing, [](std::size_t) { return true; }); }).what(),
+               Contains("5"));
   }
   CHECK(runJobs(
       0, 4, [](std::size_t) { FAIL("there is no job"); }, [](std::size_t) { return true; }));
@@ -743,7 +744,7 @@ TEST_CASE("a build stores photographs without what their lens took from the corn
 
 TEST_CASE("numbers of a build are refused by name, or make a finite scene", "[N16]") {
   const Set set;
-  const auto attempt = [&](double BuildOptions::* field, const char* name) {
+  const auto attempt = [&](double BuildOptions::*field, const char* name) {
     int refused = 0, made = 0;
     for (const double value : kExtremes) {
       INFO(name << " = " << value);

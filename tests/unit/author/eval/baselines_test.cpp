@@ -9,8 +9,8 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "author/backdrop/complete_depth.h"
-#include "author/eval/lumigraph.h"
 #include "author/backdrop/scene_depth.h"
+#include "author/eval/lumigraph.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
 #include "image/srgb.h"
@@ -35,7 +35,8 @@ const TexturedPlane kSign{.origin = {0.3, 0.1, -3}, .extentU = 1, .extentV = 0.8
 struct Place {
   explicit Place(std::vector<TexturedPlane> planes) {
     SyntheticOptions options;
-    for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0.5, 0, 0}, {0.2, 0.4, 0}}) options.cameras.push_back(cameraAt(at));
+    for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0.5, 0, 0}, {0.2, 0.4, 0}})
+      options.cameras.push_back(cameraAt(at));
     options.planes = std::move(planes);
     options.gridStep = 8;
     made = makeScene(options);
@@ -87,7 +88,8 @@ TEST_CASE("at a photograph's own pose every baseline returns it") {
     CHECK(largestDifference(baselines.lumigraph(view), place.made.photographs[i]) <= 1);
     std::array<double, 3> weights{};
     weights[i] = 1;
-    CHECK(largestDifference(baselines.crossFade(view, place.scene().cells[0], weights), place.made.photographs[i]) <= 1);
+    CHECK(largestDifference(baselines.crossFade(view, place.scene().cells[0], weights), place.made.photographs[i]) <=
+          1);
   }
 }
 

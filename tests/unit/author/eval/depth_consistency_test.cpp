@@ -73,7 +73,8 @@ TEST_CASE("unknown depth neither asks nor answers, and photographs of one place 
 
 TEST_CASE("evidence does not depend on threads, and grows with the number of sources that are asked") {
   const auto depths = wall();
-  const auto one = depthEvidence(depths, 10, 1), three = depthEvidence(depths, 10, 3), few = depthEvidence(depths, 1, 1);
+  const auto one = depthEvidence(depths, 10, 1), three = depthEvidence(depths, 10, 3),
+             few = depthEvidence(depths, 1, 1);
   for (std::size_t i = 0; i < depths.size(); ++i) {
     CHECK(one[i].confirmations == three[i].confirmations);
     CHECK(one[i].contradictions == three[i].contradictions);

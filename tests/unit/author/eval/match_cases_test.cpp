@@ -80,13 +80,15 @@ TEST_CASE("methods are compared on a wall whose homography is known; a picture t
   const Intrinsics& k = cameras[0].intrinsics;
   // Between pixels counted from the centre of the first one: K R K⁻¹.
   const glm::dmat3 toRay(1 / k.fx, 0, 0, 0, -1 / k.fy, 0, (0.5 - k.cx) / k.fx, (k.cy - 0.5) / k.fy, -1);
-  const glm::dmat3 h = glm::inverse(toRay) *
-                       glm::mat3_cast(glm::inverse(cameras[1].pose.rotation) * cameras[0].pose.rotation) * toRay;
+  const glm::dmat3 h =
+      glm::inverse(toRay) * glm::mat3_cast(glm::inverse(cameras[1].pose.rotation) * cameras[0].pose.rotation) * toRay;
   std::string numbers;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) numbers += fmt::format("{:.12e} ", h[column][row]);
-  writeFile(folder / "h.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n<H type_id=\"opencv-matrix\"><rows>3</rows>"
-                              "<cols>3</cols><dt>d</dt><data>" + numbers + "</data></H>\n</opencv_storage>\n");
+  writeFile(folder / "h.xml",
+            "<?xml version=\"1.0\"?>\n<opencv_storage>\n<H type_id=\"opencv-matrix\"><rows>3</rows>"
+            "<cols>3</cols><dt>d</dt><data>" +
+                numbers + "</data></H>\n</opencv_storage>\n");
   MatchCase which{"wall", {folder / "0.png", folder / "1.png"}};
   which.homography = folder / "h.xml";
   const std::vector<MatchScore> scores = compareMethods(which);

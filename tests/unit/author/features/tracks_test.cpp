@@ -30,7 +30,8 @@ SyntheticScene wallSeenBy(const std::vector<Camera>& cameras) {
   SyntheticOptions options;
   options.cameras = cameras;
   options.cells = {{0, 1}};  // not used
-  options.planes = {{{0, 4, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.2}, {{0.2, 3, 0.1}, {1, 0, 0}, {0, 0, 1}, 1, 1, 2, 0.15}};
+  options.planes = {{{0, 4, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.2},
+                    {{0.2, 3, 0.1}, {1, 0, 0}, {0, 0, 1}, 1, 1, 2, 0.15}};
   options.samplesPerAxis = 2;
   return makeScene(options);
 }
@@ -94,7 +95,6 @@ TEST_CASE("a blob is found where it is, to a tenth of a pixel, whatever its size
       INFO(sigma << " " << at.x << " " << at.y);
       CHECK(nearest < 0.1);
     }
-  
 }
 
 TEST_CASE("kept features come back whole or not at all") {

@@ -38,8 +38,7 @@ Image8 pictureOf(int width, int height, Ray&& rayAt) {
       const std::optional<glm::dvec3> ray = rayAt(glm::dvec2(x + 0.5, y + 0.5));
       if (!ray || !(ray->z < 0)) continue;
       const double value = pattern({ray->x / -ray->z, -ray->y / -ray->z});
-      for (int c = 0; c < 3; ++c)
-        picture.pixel(x, y)[std::size_t(c)] = std::uint8_t(std::lround(value * (4 - c) / 4));
+      for (int c = 0; c < 3; ++c) picture.pixel(x, y)[std::size_t(c)] = std::uint8_t(std::lround(value * (4 - c) / 4));
     }
   return picture;
 }

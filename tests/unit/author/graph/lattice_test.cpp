@@ -66,7 +66,8 @@ TEST_CASE("a whole grid is split as Kuhn does, faces of neighbours agree, nothin
   std::map<Simplex, int> faceCount;
   for (const Simplex& s : simplices) {
     volume += std::abs(glm::dot(glm::cross(places[s[1]] - places[s[0]], places[s[2]] - places[s[0]]),
-                                places[s[3]] - places[s[0]])) / 6;
+                                places[s[3]] - places[s[0]])) /
+              6;
     for (std::size_t a = 0; a < 3; ++a) {  // within one cube
       int low = 1000, high = 0;
       for (const std::uint32_t p : s) {

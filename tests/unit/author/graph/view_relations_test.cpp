@@ -32,7 +32,8 @@ TEST_CASE("what two photographs share is counted, once a point, and is the same 
   CHECK(relations.between(0, 2).shared == 0);
   CHECK(relations.between(0, 2).covisible() == 0);
   CHECK(relations.between(0, 2).axisAngle == Approx(3.14159265).epsilon(1e-6));
-  CHECK(relations.neighbours(0, 1) == std::vector<std::pair<std::uint32_t, std::uint32_t>>{{1, std::uint32_t(expected)}});
+  CHECK(relations.neighbours(0, 1) ==
+        std::vector<std::pair<std::uint32_t, std::uint32_t>>{{1, std::uint32_t(expected)}});
   CHECK(relations.neighbours(0, std::uint32_t(expected) + 1).empty());
 }
 

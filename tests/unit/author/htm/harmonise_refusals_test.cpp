@@ -107,7 +107,7 @@ TEST_CASE("numbers of a harmonised model are refused by name, or its model is wh
   const auto photographs = test::photographsOf(small);
   struct Field {
     const char* name;
-    double HtmOptions::* value;
+    double HtmOptions::*value;
   };
   const Field fields[] = {{"inconsistentSize", &HtmOptions::inconsistentSize},
                           {"inconsistentDifference", &HtmOptions::inconsistentDifference},

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "author/features/features.h"
-#include "author/mesh/mesh.h"
 #include "author/match/mesh_warp.h"
+#include "author/mesh/mesh.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
 
@@ -68,8 +68,8 @@ TEST_CASE("flow finds a wall again whatever the poses say, in any order of the m
       double worst = 0;
       for (std::size_t i = 0; i < 3; ++i) {
         const auto at = match.position[i].pixel(x, y);
-        worst = std::max(worst, glm::distance(glm::dvec2(at[0], at[1]), seenFrom(cameras[order[0]], {x + 0.5, y + 0.5},
-                                                                                  cameras[order[i]])));
+        worst = std::max(worst, glm::distance(glm::dvec2(at[0], at[1]),
+                                              seenFrom(cameras[order[0]], {x + 0.5, y + 0.5}, cameras[order[i]])));
       }
       ++all;
       near += worst < 0.5;
@@ -109,7 +109,8 @@ TEST_CASE("the same picture twice matches itself; pictures without anything in c
   for (std::size_t p = 0; p < same.good.values.size(); ++p)
     if (same.good.values[p])
       for (std::size_t c = 0; c < 2; ++c)
-        worst = std::max(worst, double(std::abs(same.position[1].values[2 * p + c] - same.position[0].values[2 * p + c])));
+        worst =
+            std::max(worst, double(std::abs(same.position[1].values[2 * p + c] - same.position[0].values[2 * p + c])));
   CHECK(worst < 0.05);
   CHECK(std::ranges::all_of(same.inverseDepth.values, [](float w) { return w == 0; }));
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <random>
 
-#include "author/sweep/homographies.h"
-#include "author/mesh/mesh.h"
 #include "author/match/plane_labels.h"
 #include "author/match/plane_patch.h"
 #include "author/match/track_mesh.h"
+#include "author/mesh/mesh.h"
+#include "author/sweep/homographies.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
 
@@ -114,8 +114,7 @@ TEST_CASE("two planes give two labels with their exact maps, and parallax gives 
   std::size_t across = 0, acrossHomogeneous = 0, within = 0, withinHomogeneous = 0;
   for (const glm::uvec3& t : trackTriangles(tracks)) {
     int boards = 0;
-    for (int k = 0; k < 3; ++k)
-      boards += worstOff(stage, vertices, t[k], 2.6) < worstOff(stage, vertices, t[k], 5);
+    for (int k = 0; k < 3; ++k) boards += worstOff(stage, vertices, t[k], 2.6) < worstOff(stage, vertices, t[k], 5);
     const bool same = homogeneous(vertices.planes, t);
     (boards % 3 ? across : within) += 1;
     (boards % 3 ? acrossHomogeneous : withinHomogeneous) += same;
@@ -146,7 +145,8 @@ TEST_CASE("homographies find the planes in any order of the members") {
         const glm::dvec3 point = pointOn(views[0].camera, match.vertices->matched[0][v], depth);
         double worst = 0;
         for (std::size_t i = 1; i < 3; ++i)
-          worst = std::max(worst, glm::distance(seenAt(views[i].camera, point), glm::dvec2(match.vertices->matched[i][v])));
+          worst =
+              std::max(worst, glm::distance(seenAt(views[i].camera, point), glm::dvec2(match.vertices->matched[i][v])));
         least = std::min(least, worst);
       }
       near += least < 0.4;
@@ -191,7 +191,8 @@ TEST_CASE("the largest plane is sealed first, then the other, then none in what 
   const Stage stage = makeStage(3);
   const bool posed = GENERATE(true, false);
   std::vector<PlaneTrack> tracks = twoPlanes(stage.cameras, 60, 40);
-  for (std::size_t t = 0; t < 20; ++t) tracks[2 * t].at[2] += glm::dvec2(15 + 7 * double(t % 5), -10 - 9 * double(t % 3));  // the board has fewer
+  for (std::size_t t = 0; t < 20; ++t)
+    tracks[2 * t].at[2] += glm::dvec2(15 + 7 * double(t % 5), -10 - 9 * double(t % 3));  // the board has fewer
   const PlaneFitter fit(stage.cameras, posed);
   std::vector<PlaneMaps> planes;
   REQUIRE(sealLargestPlane(fit, tracks, planes, 1));

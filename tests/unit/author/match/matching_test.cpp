@@ -6,12 +6,12 @@
 #include <set>
 
 #include "author/cgal/delaunay.h"
-#include "author/sweep/depth_clean.h"
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
-#include "author/mesh/mesh.h"
-#include "author/sweep/plane_sweep.h"
+#include "author/match/match.h"
 #include "author/match/quadtree.h"
+#include "author/mesh/mesh.h"
+#include "author/sweep/depth_clean.h"
+#include "author/sweep/plane_sweep.h"
 #include "author/sweep/sgm.h"
 #include "author/sweep/visibility.h"
 #include "ibr/error.h"

@@ -46,7 +46,8 @@ TEST_CASE("exact matches give exact ranges, wherever the world is and whatever t
         mean += glm::distance(point, member.pose.position) / double(d);
       }
       const double truth = inverseDepth(frame, point);
-      const RangeFit range = triangulate(frame, members, pixels, {truth * (1 + 0.2 * uniform(random)), 10 / unit}, 0.25);
+      const RangeFit range =
+          triangulate(frame, members, pixels, {truth * (1 + 0.2 * uniform(random)), 10 / unit}, 0.25);
       const double tolerance = offset == glm::dvec3(0.0) ? 1e-7 : 1e-4;
       CHECK(range.inverseDistance * mean == Approx(1).epsilon(tolerance));
       CHECK(range.residualPx < 1e-3);

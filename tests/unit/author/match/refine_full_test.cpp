@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "author/pixels/resize.h"
 #include "author/geometry/posed_model.h"
 #include "author/match/vertices.h"
+#include "author/pixels/resize.h"
 #include "scene/synth/synthetic.h"
 
 using namespace ibr;
@@ -56,7 +56,8 @@ double error(const Set& set, const MatchedVertices& vertices) {
   for (std::size_t v = 0; v < vertices.frame.size(); ++v) {
     const auto& [k, pose] = set.whole[0];
     const glm::dvec3 ray = unproject(k, glm::dvec2(vertices.matched[0][v]) * double(kScale));
-    const glm::dvec3 point = pose.position + ray * (glm::dot(plane.origin - pose.position, normal) / glm::dot(ray, normal));
+    const glm::dvec3 point =
+        pose.position + ray * (glm::dot(plane.origin - pose.position, normal) / glm::dot(ray, normal));
     for (std::size_t i = 1; i < set.whole.size(); ++i) {
       const auto at = project(set.whole[i].intrinsics, point - set.whole[i].pose.position);
       errors.push_back(glm::distance(*at, glm::dvec2(vertices.matched[i][v]) * double(kScale)));

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
+#include "author/geometry/orientation.h"
 #include "author/match/match.h"
 #include "author/mesh/mesh.h"
-#include "author/geometry/orientation.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
 
@@ -48,7 +48,8 @@ Stage makeStage(const std::vector<TexturedPlane>& planes) {
 }
 const TexturedPlane kTheWall{{0, kWall, 0}, {1, 0, 0}, {0, 0, 1}, 20, 20, 1, 0.16};
 const TexturedPlane kTheBoard{{0, kBoard, 0.1}, {1, 0, 0}, {0, 0, 1}, 2 * kRight, 1.2, 2, 0.08};
-const TexturedPlane kSlantedWall{{0, kWall, 0}, {M_SQRT1_2, M_SQRT1_2, 0}, {0, 0, 1}, 40, 20, 1, 0.4};  // seen from afar, too
+const TexturedPlane kSlantedWall{
+    {0, kWall, 0}, {M_SQRT1_2, M_SQRT1_2, 0}, {0, 0, 1}, 40, 20, 1, 0.4};  // seen from afar, too
 
 // The vertices of triangles.
 std::set<unsigned> cornersOf(std::span<const glm::uvec3> triangles) {

@@ -4,13 +4,13 @@
 #include <catch2/catch.hpp>
 
 #include "author/build/find_movers.h"
-#include "author/photographs/masks.h"
+#include "author/geometry/posed_model.h"
 #include "author/match/match.h"
 #include "author/match/matcher_choice.h"
 #include "author/mesh/mesh.h"
 #include "author/movers/movers.h"
-#include "author/geometry/posed_model.h"
 #include "author/movers/settle_movers.h"
+#include "author/photographs/masks.h"
 #include "base/file.h"
 #include "image/ktx2.h"
 #include "io/image_file.h"

@@ -188,8 +188,8 @@ TEST_CASE("directions at the extremes: cocircular, nearly the same, many at a po
       const glm::dvec3 a = glm::normalize(directions[t.x]), b = glm::normalize(directions[t.y]),
                        c = glm::normalize(directions[t.z]);
       // Van Oosterom and Strackee 1983; negative for a triangle that looks inwards.
-      solidAngle += 2 * std::atan2(glm::determinant(glm::dmat3(a, b, c)),
-                                   1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+      solidAngle +=
+          2 * std::atan2(glm::determinant(glm::dmat3(a, b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
       used[t.x] = used[t.y] = used[t.z] = true;
     }
     CHECK(solidAngle == Approx(4 * kPi).epsilon(1e-9));

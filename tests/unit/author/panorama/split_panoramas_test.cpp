@@ -26,7 +26,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Intrinsics sphere(int width, int height) { return {CameraModel::equirectangular, width, height}; }
+Intrinsics sphere(int width, int height) {
+  return {CameraModel::equirectangular, width, height};
+}
 
 Image8 painted(int width, int height, const std::function<glm::dvec3(glm::dvec3)>& colour) {
   Image8 panorama(width, height, 3);
@@ -98,7 +100,9 @@ TEST_CASE("a panorama whose six axes have six colours is split into faces of tho
 }
 
 TEST_CASE("what a face shows in a direction is what the panorama shows there: seam, poles, all turns") {
-  const auto colour = [](glm::dvec3 d) { return 127.5 + 80.0 * d + 40.0 * glm::dvec3(d.y * d.z, d.x * d.z, d.x * d.y); };
+  const auto colour = [](glm::dvec3 d) {
+    return 127.5 + 80.0 * d + 40.0 * glm::dvec3(d.y * d.z, d.x * d.z, d.x * d.y);
+  };
   const PanoramaSampler sampler(painted(1024, 512, colour));
   for (const PanoramaFace& face : manyFaces())
     for (const double fov : {30.0, 105.0, 170.0}) {
@@ -192,10 +196,12 @@ TEST_CASE("the smallest panoramas, and what is none") {
   CHECK(codeOf([] { PanoramaSampler{Image8()}; }) == ErrorCode::invalidInput);
   CHECK(codeOf([] { PanoramaSampler{Image8(2, 1, 5)}; }) == ErrorCode::invalidInput);
   CHECK(codeOf([&] { sampler.view(sphere(4, 2), {1, 0, 0, 0}); }) == ErrorCode::invalidInput);
-  CHECK(codeOf([&] { sampler.view({CameraModel::pinhole, 4, 4, 0, 1, 2, 2}, {1, 0, 0, 0}); }) ==
-        ErrorCode::invalidInput);
-  CHECK(codeOf([&] { sampler.view({CameraModel::pinhole, 4, 4, 1, 1, NAN, 2}, {1, 0, 0, 0}); }) ==
-        ErrorCode::invalidInput);
+  CHECK(codeOf([&] {
+          sampler.view({CameraModel::pinhole, 4, 4, 0, 1, 2, 2}, {1, 0, 0, 0});
+        }) == ErrorCode::invalidInput);
+  CHECK(codeOf([&] {
+          sampler.view({CameraModel::pinhole, 4, 4, 1, 1, NAN, 2}, {1, 0, 0, 0});
+        }) == ErrorCode::invalidInput);
 }
 
 TEST_CASE("a COLMAP model that was written is read as it was") {

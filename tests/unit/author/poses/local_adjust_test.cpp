@@ -8,9 +8,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
+#include "author/match/match.h"
 #include "author/match/ranges.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
@@ -82,7 +82,8 @@ double misses(const std::vector<Camera>& exact, const std::vector<Pose>& poses) 
   for (const LocalTrack& track : seenBy(exact, points(200, 99), 0)) {
     std::vector<glm::dvec2> pixels;
     for (const auto& pixel : track.pixel) pixels.push_back(*pixel);
-    residuals.push_back(triangulate(frame, cameras, pixels, {inverseDepth(frame, track.position), 1.0}, 1.0).residualPx);
+    residuals.push_back(
+        triangulate(frame, cameras, pixels, {inverseDepth(frame, track.position), 1.0}, 1.0).residualPx);
   }
   return median(residuals);
 }
@@ -94,9 +95,8 @@ std::vector<Pose> posesOf(const std::vector<Camera>& cameras) {
 }
 
 bool same(const std::vector<Pose>& a, const std::vector<Pose>& b) {
-  return std::ranges::equal(a, b, [](const Pose& x, const Pose& y) {
-    return x.position == y.position && x.rotation == y.rotation;
-  });
+  return std::ranges::equal(
+      a, b, [](const Pose& x, const Pose& y) { return x.position == y.position && x.rotation == y.rotation; });
 }
 
 }  // namespace
@@ -115,8 +115,7 @@ TEST_CASE("poses that are off are brought to fit each other, whatever tracks are
       // It is the others that move, and not far.
       CHECK(clean[0].position == wrong[0].pose.position);
       CHECK(clean[0].rotation == wrong[0].pose.rotation);
-      for (std::size_t i = 0; i < members; ++i)
-        CHECK(glm::distance(clean[i].position, wrong[i].pose.position) < 0.05);
+      for (std::size_t i = 0; i < members; ++i) CHECK(glm::distance(clean[i].position, wrong[i].pose.position) < 0.05);
       CHECK(same(clean, locallyAdjusted(wrong, seenBy(exact, points(300, 1), 0.2))));
     }
 }
@@ -148,7 +147,8 @@ TEST_CASE("points all but infinitely far away, or behind a member, break nothing
 
 TEST_CASE("local tracks are those that members share, those of most members first, never too many") {
   PosedModel model = modelOf(rig(4), points(3000, 6));
-  for (std::size_t t = 0; t < model.tracks.size(); t += 3) std::erase_if(model.tracks[t].observations, [](const auto& o) { return o.image == 2; });
+  for (std::size_t t = 0; t < model.tracks.size(); t += 3)
+    std::erase_if(model.tracks[t].observations, [](const auto& o) { return o.image == 2; });
   const std::vector<std::uint32_t> members{2, 0, 3};
   const std::vector<LocalTrack> tracks = localTracks(model, tracksOfImages(model), members);
   REQUIRE(tracks.size() == 1000);
@@ -162,8 +162,8 @@ TEST_CASE("local tracks are those that members share, those of most members firs
     for (std::size_t i = 0; i < 3; ++i)
       if (track.pixel[i]) {
         const Camera& camera = model.images[members[i]].camera;
-        CHECK(glm::distance(*project(camera.intrinsics, glm::conjugate(camera.pose.rotation) *
-                                                            (track.position - camera.pose.position)),
+        CHECK(glm::distance(*project(camera.intrinsics,
+                                     glm::conjugate(camera.pose.rotation) * (track.position - camera.pose.position)),
                             *track.pixel[i]) < 1e-9);
       }
   }

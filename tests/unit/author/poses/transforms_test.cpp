@@ -101,8 +101,7 @@ TEST_CASE("distorted frames are read with their lens") {
 
   Json panorama = example();
   panorama["camera_model"] = "EQUIRECTANGULAR";
-  CHECK(read(panorama).images[0].camera.intrinsics ==
-        Intrinsics{CameraModel::equirectangular, 640, 480, 0, 0, 0, 0});
+  CHECK(read(panorama).images[0].camera.intrinsics == Intrinsics{CameraModel::equirectangular, 640, 480, 0, 0, 0, 0});
   Json pinhole = example();
   pinhole["camera_model"] = "PINHOLE";
   CHECK_FALSE(read(pinhole).images[0].lens);
@@ -149,16 +148,20 @@ TEST_CASE("a fault of transforms.json is named by its pointer") {
       {"/frames/0/file_path: is empty", [](Json& j) { j["frames"][0]["file_path"] = ""; }},
       {"/frames/1/file_path: \"images/b.png\" stands twice",
        [](Json& j) { j["frames"][1]["file_path"] = "images/b.png"; }},
-      {"/frames/1/transform_matrix: has 2 rows", [](Json& j) { j["frames"][1]["transform_matrix"] = {1, 2}; }},
+      {"/frames/1/transform_matrix: has 2 rows",
+       [](Json& j) {
+         j["frames"][1]["transform_matrix"] = {1, 2};
+       }},
       {"/frames/1/transform_matrix/2: has 3 numbers",
-       [](Json& j) { j["frames"][1]["transform_matrix"][2] = {1, 2, 3}; }},
+       [](Json& j) {
+         j["frames"][1]["transform_matrix"][2] = {1, 2, 3};
+       }},
       {"/frames/1/transform_matrix/0/3", [](Json& j) { j["frames"][1]["transform_matrix"][0][3] = nullptr; }},
       {"/frames/0/transform_matrix: is no rigid motion: its column 0 has length 1.1",
        [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = 1.1; }},
       {"at right angles: sheared", [](Json& j) { j["frames"][0]["transform_matrix"][0][1] = 0.01; }},
       {"mirror image", [](Json& j) { j["frames"][0]["transform_matrix"][0][0] = -1; }},
-      {"/frames/0/transform_matrix/3: is not 0 0 0 1",
-       [](Json& j) { j["frames"][0]["transform_matrix"][3][0] = 1; }},
+      {"/frames/0/transform_matrix/3: is not 0 0 0 1", [](Json& j) { j["frames"][0]["transform_matrix"][3][0] = 1; }},
       {"/fl_x: -5 is not positive", [](Json& j) { j["fl_x"] = -5; }},
       {"has no focal length", [](Json& j) { j.erase("fl_x"), j.erase("fl_y"); }},
       {"/camera_angle_x: 4 is no angle", [](Json& j) { j.erase("fl_x"), j["camera_angle_x"] = 4; }},

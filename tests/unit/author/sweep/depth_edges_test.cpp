@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 64;
 constexpr double kFocal = 80, kBoardDepth = 2, kWallDepth = 10, kHalfBoard = 0.4;  // px, then units of length
-constexpr float kBoard = 5, kWall = 1;                                            // levels
+constexpr float kBoard = 5, kWall = 1;                                             // levels
 
 // A board before a wall, in grey levels; the wall with texture or without.
 struct Place {
@@ -86,7 +86,7 @@ TEST_CASE("foregrounds that are too wide end at their silhouettes, before textur
   const Swept swept(Place{textured});
   constexpr int kOutline = 4 * 32;  // px
   CHECK(swept.wrongAfter(0) <= kOutline / 4);
-  CHECK(swept.wrongAfter(3) <= kOutline);  // of more than 400 that were wrong
+  CHECK(swept.wrongAfter(3) <= kOutline);      // of more than 400 that were wrong
   CHECK(swept.wrongAfter(12) > kOutline * 4);  // no further than windows reach
 }
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
-#include "author/sweep/dominant_planes.h"
-#include "author/match/match.h"
 #include "author/geometry/mean_frame.h"
+#include "author/match/match.h"
+#include "author/sweep/dominant_planes.h"
 #include "author/sweep/plane_sweep.h"
 #include "author/sweep/sgm.h"
 #include "scene/synth/synthetic.h"
