@@ -10,9 +10,17 @@
 #   IBR_NO_SANITIZERS=1       does without the second build, with sanitizers, of what reads files
 set -eu
 cd "$(dirname "$0")/.."
+began=$(date +%s)
+# part NAME: prints how long the part took that ends here.
+part() {
+  now=$(date +%s)
+  echo "part: $1: $((now - began)) s"
+  began=$now
+}
 . examples/packages.sh
 # shellcheck disable=SC2086 # lists of words
 install_packages $IBR_PACKAGES_BUILD $IBR_PACKAGES_TEST
+part packages
 
 # shellcheck disable=SC2086 # a list of words
 if [ -z "${IBR_XR_RUNTIME-}" ] && ! { install_packages $IBR_PACKAGES_XR && IBR_XR_RUNTIME=$(sh tests/xr/runtime.sh); }; then
@@ -20,12 +28,15 @@ if [ -z "${IBR_XR_RUNTIME-}" ] && ! { install_packages $IBR_PACKAGES_XR && IBR_X
   echo "There is no OpenXR runtime: the tests of headsets are skipped." >&2
 fi
 export IBR_XR_RUNTIME
+part "OpenXR runtime"
 
 cmake --preset ci
 cmake --build --preset ci
+part build
 if [ -z "${IBR_NO_SANITIZERS-}" ]; then
   cmake --preset readers
   cmake --build --preset readers
+  part "build with sanitizers"
 fi
 
 # Tests that want a locale with a decimal comma take it from here; nobody need be root for that.
@@ -39,5 +50,9 @@ if [ -z "${IBR_NO_SANITIZERS-}" ]; then
   echo "What reads files, with sanitizers:"
   IBR_FUZZ_MIB=3000 ctest --preset readers -j2 --quiet --output-log build/readers/tests.log ||
     { cat build/readers/tests.log; exit 1; }
+  part "tests with sanitizers"
 fi
-ctest --preset ci -j2 "$@"
+status=0
+ctest --preset ci -j2 "$@" || status=$?
+part tests
+exit "$status"
