@@ -85,7 +85,7 @@ TEST_CASE("evidence does not depend on threads, and grows with the number of sou
 
 TEST_CASE("a residual widens the tolerance") {
   auto depths = wall();
-  for (float& value : depths[1].map.inverseDepth.values) value *= 1.15f;
+  for (float& value : depths[1].map.inverseDepth.values) value *= 1.45f;
   CHECK(count(depthEvidence(depths)[1].confirmations, 40, 30) == 0);
   for (ConsistentDepth& depth : depths) depth.residualPx = 4;
   CHECK(count(depthEvidence(depths)[1].confirmations, 40, 30) == 3);
