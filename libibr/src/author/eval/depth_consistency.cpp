@@ -14,7 +14,6 @@
 namespace ibr {
 namespace {
 
-// GEOMETRY, "Depth of a photograph", 1 and 4.
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLeastParallax = 1.5 * kDegree;                                            // of a witness
 constexpr double kBestParallax = 6 * kDegree, kNarrow = 3 * kDegree, kWide = 12 * kDegree;  // Gaussian, σ either side
