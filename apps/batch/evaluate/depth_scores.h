@@ -7,7 +7,7 @@
 
 namespace ibr::app {
 
-/// Exact depth of views, and how wrong a drawn depth may be.
+/// How wrong a drawn depth may be.
 struct DepthTolerance {
   double focalPx = 0;   // of the view
   double baseline = 0;  // world units: a depth is right where seen from so far beside it moves by at most 1 px

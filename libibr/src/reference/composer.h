@@ -67,7 +67,8 @@ class Composer {
   /// step that is not positive.
   explicit Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options = {});
 
-  /// Precondition: a pinhole. Thread-safe. Memory: about 24 K bytes a pixel.
+  /// Precondition: a pinhole. Thread-safe where `pictures` is. Memory: 16 K + 80 bytes a pixel, and copies of K
+  /// photographs.
   Composed compose(const Camera& view, const PictureSource& pictures) const;
 
   /// Photographs that compose() would use for a view, best first, and the weight that each has as a whole, 0 to 1.
