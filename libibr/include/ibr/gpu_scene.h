@@ -62,6 +62,9 @@ struct GpuSceneOptions {
   /// Host memory beside the budget that uploads go through, 1 MiB at least: while a scene is made, and while it
   /// streams, where it bounds what a frame uploads.
   std::uint64_t stagingBytes = std::uint64_t(32) << 20;
+  /// Depth textures (Node::depthFile) in full, as `source` is called; empty: the nodes' depthFile.
+  TextureSource depthSource;
+  bool depth = true;  // depth textures are loaded, for Composition::gathered and hybrid; they are never streamed
   BlockTextures blocks = BlockTextures::automatic;
   TextureFilter filter = TextureFilter::automatic;
   LogCallback log;  // every step down in quality, and why
@@ -100,8 +103,8 @@ class GpuScene {
   bool streams() const noexcept;
 
   struct Memory {
-    std::uint64_t positions = 0, indices = 0, textures = 0;  // bytes allocated on the device
-    std::uint64_t sum() const noexcept { return positions + indices + textures; }
+    std::uint64_t positions = 0, indices = 0, textures = 0, depth = 0;  // bytes allocated on the device
+    std::uint64_t sum() const noexcept { return positions + indices + textures + depth; }
   };
   Memory memory() const noexcept;
 

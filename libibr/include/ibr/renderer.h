@@ -31,6 +31,13 @@
 
 namespace ibr {
 
+/// Where a pixel's depth and colour come from.
+enum class Composition : std::uint8_t {
+  cells,     // the morphing cells of [T], then backdrops: each draw item in its own slice of the depth range
+  gathered,  // photographs vote for the depth of each pixel; its colour is gathered from those that saw it
+  hybrid,    // tier 0 of the cells; the rest is gathered
+};
+
 /// How the members' colours become one ([T] §2.5.1).
 enum class BlendMode : std::uint8_t {
   blend,   // weighted sum, [T] eq. 6
@@ -119,7 +126,17 @@ struct Floor {
   bool operator==(const Floor&) const = default;
 };
 
+/// Limits of the gather.
+inline constexpr std::uint32_t kMaxGatherCandidates = 16;
+inline constexpr std::uint32_t kMaxGatherColours = 8;
+inline constexpr std::uint32_t kMaxGatherLayers = 2;
+
 struct RenderSettings {
+  Composition composition = Composition::cells;
+  std::uint32_t gatherCandidates = 12;  // K: photographs that vote, 1 to kMaxGatherCandidates
+  std::uint32_t gatherColours = 4;      // N: photographs that a pixel's colour is a mean of, 1 to kMaxGatherColours
+  std::uint32_t gatherLayers = 2;       // surfaces that a pixel shows, 1 or 2
+  double voteScale = 0.5;               // of the drawn image's sides: size of the vote; > 0, at most 1
   BlendMode blend = BlendMode::blend;
   Morph morph = Morph::ours;
   DrawOrder order = DrawOrder::ours;
@@ -193,8 +210,16 @@ struct CellBounds {
   double size = 0;                   // longest edge of the simplex, world units
 };
 class AnchorsOnDemand;  // render/plan/anchors.h
+/// What the gather needs to know of a scene's photographs as a whole.
+struct GatherBounds {
+  double spacing = 1;             // b: median distance between neighbouring capture sites, world units
+  double medianInverseDepth = 0;  // of what photographs confirm of each other, 1 / world unit
+  double residualPx = 0;          // median reprojection residual of the cells, px of the photographs
+  bool operator==(const GatherBounds&) const = default;
+};
 struct SceneBounds {
   std::vector<CellBounds> cells, backdrops;  // as those of the scene
+  GatherBounds gather;
   std::shared_ptr<AnchorsOnDemand> anchors;  // made by the first frame that is planned with RenderSettings::alignCells
 };
 SceneBounds sceneBounds(const Scene& scene);
@@ -246,6 +271,15 @@ struct PlannedBackdrop {
   bool hidden = false;                          // what is better covers it for certain
 };
 
+/// A photograph that votes and that colours are gathered from (Composition::gathered, hybrid).
+struct PlannedPhotograph {
+  std::uint32_t node = 0;      // index into Scene::nodes
+  std::uint32_t backdrop = 0;  // index into Scene::backdrops: its mesh
+  double weight = 1;           // 0 to 1, as a whole: 0 where it is about to be replaced by another
+  double distance = 0;         // from the middle of the views, world units
+  bool operator==(const PlannedPhotograph&) const = default;
+};
+
 /// A cell, or a backdrop, as a frame shows it in its order.
 struct ShownMesh {
   std::uint32_t mesh = 0;  // its index
@@ -289,12 +323,14 @@ struct ColourPlan {
 struct FramePlan {
   std::vector<Camera> views;
   RenderSettings settings;
-  std::vector<PlannedCell> cells;          // best first; the first is the main cell
-  std::vector<LeavingCell> leaving;        // what is drawn besides, by place
-  std::vector<PlannedBackdrop> backdrops;  // best first, those that leave among them
-  std::vector<PlannedCell> former;         // while a switch is mixed: what is drawn in the order before it; else empty
-  double formerWeight = 0;                 // of the picture of `former` in the mixture, 0 … 1
-  glm::dvec3 exposure{1.0};                // R, G, B: of linear light, times a photograph's gain, unless that is off
+  std::vector<PlannedCell> cells;              // best first; the first is the main cell
+  std::vector<LeavingCell> leaving;            // what is drawn besides, by place
+  std::vector<PlannedBackdrop> backdrops;      // best first, those that leave among them
+  std::vector<PlannedPhotograph> photographs;  // for the gather, best first; empty with Composition::cells
+  GatherBounds gather;                         // of the scene
+  std::vector<PlannedCell> former;  // while a switch is mixed: what is drawn in the order before it; else empty
+  double formerWeight = 0;          // of the picture of `former` in the mixture, 0 … 1
+  glm::dvec3 exposure{1.0};         // R, G, B: of linear light, times a photograph's gain, unless that is off
   ColourPlan colour;
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
@@ -337,6 +373,9 @@ struct RendererOptions {
                                 VK_FORMAT_B8G8R8A8_SRGB};
   std::vector<DrawOrder> orders{DrawOrder::ours, DrawOrder::paper};
   std::vector<BlendMode> blends{BlendMode::blend, BlendMode::dither, BlendMode::mixed};
+  std::vector<Composition> compositions{Composition::cells};
+  std::uint32_t gatherCandidates = 12, gatherColours = 4, gatherLayers = 2;  // most K; N and layers of all plans
+  double voteScale = 0.5;                                                    // largest of RenderSettings::voteScale
   bool dissolve = true;     // opacities may be below 1: false only where fadeShare and switchSeconds are 0
   double largestScale = 0;  // of RenderSettings::renderScale; 0: all is drawn at the target's size
   /// By view: triangles (three corners each, of any orientation) in tangents, x right and y up at z = −1 of the camera,
@@ -386,6 +425,7 @@ class Renderer {
     std::uint64_t triangles = 0;                          // of its draws
     struct Bytes {                                        // asked for, without a device's alignment
       std::uint64_t canvases = 0, fill = 0, colours = 0, parameters = 0, noise = 0, uncertainties = 0, hiddenArea = 0;
+      std::uint64_t gather = 0;
       bool operator==(const Bytes&) const = default;
     } bytes;
   };

@@ -22,6 +22,7 @@ struct Requirements {
   bool stretched = false;                     // backdrops have triangles that come after all that agree
   bool severalExposures = true;               // unknown is several
   bool gains = false;                         // there are photographs whose gain is not 1
+  std::uint32_t gatherable = 0;               // photographs with a backdrop, evidence in its mesh, and a depth texture
 
   // With a renderer's options.
   bool depthOrder = false, painters = false;  // cells are drawn with depth, without
@@ -32,6 +33,7 @@ struct Requirements {
   bool multiview = false;  // a canvas for both eyes, where the device draws them at once
   bool buffers = false, floor = false;
   bool hiddenArea = false;  // there are pixels that nobody sees
+  bool gather = false;      // a vote and its images
   std::vector<Overlay> overlays;
   bool colourTables = false, colourSequence = false;  // tables at all; the paper's way to them
   std::uint32_t steps = 0;                            // draws of a picture, at most

@@ -32,6 +32,12 @@ struct Node {
   /// Grey PNG of the photograph's size, 0 where it is not to be shown: people who passed by. Relative to the scene's
   /// folder; empty: all of it is. It is also the texture's alpha, which is what renders: not of TextureFormat::bc1.
   std::filesystem::path maskFile = {};
+  /// Depth texture (KTX2, TextureFormat::rg16f), relative to the scene's folder; empty: none. It covers the photograph,
+  /// at about a quarter of its sides. Red: ρ / depthScale, the largest of the texel's block; green: the consensus a
+  /// (MorphMesh::consensus). ρ is the inverse depth along the axis of a pinhole, and the inverse distance of a
+  /// panorama.
+  std::filesystem::path depthFile = {};
+  double depthScale = 0;  // 1 / world unit, > 0 where there is a depthFile: ρ of a red of 1
 };
 inline constexpr double kLargestGain = 4096;
 
@@ -56,6 +62,10 @@ struct MorphMesh {
   std::vector<std::vector<float>> ratio;      // d × n, a_i > 0
   std::vector<float> inverseDistance;         // n, ρ >= 0, 1 / world unit
   std::vector<float> uncertainty;             // n, one standard deviation of ρ, >= 0
+  std::vector<std::uint8_t> confirmations;    // n, or none: c, photographs whose depth is the same there; 0 also where
+                                              // depth was completed
+  std::vector<float> consensus;               // n, or none, with confirmations: a = (c + .25) / (c + v + .5), v
+                                              // photographs that see past it; .1 where depth was completed
   std::vector<glm::uvec3> triangles;          // m, indices < n; all of tier 0 first, then tier 1
   std::vector<std::uint8_t> tier;             // m, a Tier each
   std::vector<float> ecc;  // m, worst pair's enhanced correlation coefficient, label only, in [-1, 1]

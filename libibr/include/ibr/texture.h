@@ -6,7 +6,9 @@
 //   bc7      1               mode 6 alone: colours of a block on one line, 16 steps; about 46 dB on photographs
 //   bc1      ½               [T] §2.6.3, as the paper stores them: 4 steps, 5 or 6 bits; 35 to 38 dB
 //
-// Values are display-encoded in all three, and are sampled as they are.
+//   rg16f    4               no photograph but its depth (Node::depthFile): two half floats
+//
+// Values of photographs are display-encoded in all formats, and are sampled as they are.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +19,9 @@
 
 namespace ibr {
 
-enum class TextureFormat : std::uint8_t { rgba8, bc1, bc7 };
+enum class TextureFormat : std::uint8_t { rgba8, bc1, bc7, rg16f };
 
-/// "rgba8", "bc1", "bc7".
+/// "rgba8", "bc1", "bc7", "rg16f".
 const char* textureFormatName(TextureFormat format) noexcept;
 
 /// Bytes of a picture. Blocks count whole, also where the picture ends inside one.

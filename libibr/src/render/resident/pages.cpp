@@ -29,6 +29,8 @@ VkFormat vulkanFormat(TextureFormat format) noexcept {
       return VK_FORMAT_BC1_RGB_UNORM_BLOCK;
     case TextureFormat::bc7:
       return VK_FORMAT_BC7_UNORM_BLOCK;
+    case TextureFormat::rg16f:
+      return VK_FORMAT_R16G16_SFLOAT;
     case TextureFormat::rgba8:
       break;
   }
