@@ -53,6 +53,20 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
          },
          "All settings at once, from the fastest to the most accurate; those given beside it win")
       ->type_name("fast|balanced|accurate|reference");
+  addChoice<Composition>(app, "--composition", settings.composition,
+                         {{"cells", Composition::cells},
+                          {"gathered", Composition::gathered},
+                          {"hybrid", Composition::hybrid}},
+                         "Morphing cells and backdrops; every pixel gathered from the photographs that saw it; or cells "
+                         "where all members agree and the rest gathered");
+  addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
+                          "Gather from at most N photographs a frame");
+  addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
+                          "A gathered pixel is the mean of at most N photographs");
+  addCount<std::uint32_t>(app, "--layers", settings.gatherLayers, 1, kMaxGatherLayers,
+                          "A gathered pixel shows at most N surfaces behind one another");
+  addDouble(app, "--vote-scale", settings.voteScale, 0.05, 1,
+            "Photographs vote for depth in an image whose sides are X of the drawn one's");
   addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
          "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
          "fills what is still empty from around");
@@ -160,6 +174,10 @@ const char* wordOf(Exposure exposure) {
   return kExposures[std::size_t(exposure)].first;
 }
 
+const char* wordOf(Composition composition) {
+  return composition == Composition::cells ? "cells" : composition == Composition::gathered ? "gathered" : "hybrid";
+}
+
 const char* wordOf(BlendMode blend) {
   return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
 }
@@ -192,7 +210,12 @@ void declareTextureFormat(CLI::App& app, TextureFormat& format) {
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene) {
   nlohmann::ordered_json budget;  // null: no limit
   if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
-  return {{"cells", settings.maxCells},
+  return {{"composition", wordOf(settings.composition)},
+          {"photographs", settings.gatherCandidates},
+          {"colours", settings.gatherColours},
+          {"layers", settings.gatherLayers},
+          {"voteScale", settings.voteScale},
+          {"cells", settings.maxCells},
           {"backdrops", settings.maxBackdrops},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},

@@ -54,6 +54,7 @@ inline constexpr std::array kExposures{std::pair{"off", Exposure::off}, std::pai
                                        std::pair{"adapted", Exposure::adapted}};
 const char* wordOf(Exposure exposure);
 const char* wordOf(BlendMode blend);
+const char* wordOf(Composition composition);
 
 /// Words of --overlay and what each shows, in the order in which a viewer goes through them.
 struct OverlayWord {

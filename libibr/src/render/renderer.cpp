@@ -18,6 +18,7 @@
 #include "render/passes/composite_pass.h"
 #include "render/passes/depth_pass.h"
 #include "render/passes/fill_pass.h"
+#include "render/passes/gather_pass.h"
 #include "render/passes/hidden_area_pass.h"
 #include "render/passes/overlay_pass.h"
 #include "render/passes/steps.h"
@@ -38,12 +39,17 @@ struct Renderer::State {
     checkHiddenArea(o.hiddenArea);
     if (needed.switchMixing) former.emplace(device, canvas.largest());
     if (needed.multiview && multiviewWorks(device)) eyes.emplace(device, canvas.largest(), 0, 2);
-    if (needed.fill) fill.emplace(device, canvas, eyesOrNull());
+    if (needed.fill) {
+      std::vector<VkImageView> sources;
+      for (const CanvasSource& source : sourcesOf(canvas, eyesOrNull())) sources.push_back(source.colour);
+      fill.emplace(device, canvas.largest(), sources);
+    }
     if (needed.colourTables) tables.emplace(device, std::min(needed.cells, kLargestCellCount));
     cells.emplace(device, gpuScene, canvas.renderPass(), o, needed, tables ? tables->tables() : VK_NULL_HANDLE,
                   eyes ? eyes->renderPass() : VK_NULL_HANDLE);
     if (needed.hiddenArea)
       hidden.emplace(device, o.hiddenArea, canvas.renderPass(), eyes ? eyes->renderPass() : VK_NULL_HANDLE);
+    if (needed.gather) gather.emplace(device, gpuScene, canvas.renderPass(), canvas.largest(), o, needed);
     if (tables) colours.emplace(device, *tables, *cells, canvas, o);
     composite.emplace(device, canvas, eyesOrNull(), former ? &*former : nullptr, fill ? &*fill : nullptr, o,
                       needed.hiddenArea);
@@ -61,7 +67,7 @@ struct Renderer::State {
         image->begin(commands, image->largest(), {0, 0, 0, 0});
         image->end(commands);
       }
-      if (fill) fill->record(commands, canvas.largest());
+      if (fill) fill->record(commands, canvas.largest(), kFromCanvas);
     });
   }
 
@@ -81,9 +87,13 @@ struct Renderer::State {
   // What of a plan this renderer can show.
   bool mixes(const FramePlan& plan) const { return former && plan.formerWeight > 0; }
   bool drawsAtOnce(const FramePlan& plan) const {
-    return eyes && plan.views.size() == 2 && plan.settings.overlay == Overlay::none && !isSequence(plan) &&
-           (!adapts(plan) || eyesShare(plan)) && plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
+    return eyes && !gathers(plan) && plan.views.size() == 2 && plan.settings.overlay == Overlay::none &&
+           !isSequence(plan) && (!adapts(plan) || eyesShare(plan)) &&
+           plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
            plan.views[0].intrinsics.height == plan.views[1].intrinsics.height;
+  }
+  bool gathers(const FramePlan& plan) const {
+    return gather && plan.settings.composition != Composition::cells && plan.settings.overlay == Overlay::none;
   }
   bool adapts(const FramePlan& plan) const { return colours && plan.settings.colourMapping == ColourMapping::ours; }
   bool isSequence(const FramePlan& plan) const {
@@ -126,6 +136,7 @@ struct Renderer::State {
   std::optional<FillPass> fill;
   std::optional<ColourTables> tables;
   std::optional<CellPass> cells;
+  std::optional<GatherPass> gather;
   std::optional<HiddenArea> hidden;
   std::optional<ColourMapPass> colours;
   std::optional<CompositePass> composite;
@@ -150,6 +161,11 @@ void Renderer::State::draw(VkCommandBuffer commands, const FramePlan& plan, std:
   if (adapts(plan) && (view == 0 || !eyesShare(plan))) {
     const GpuScope scope(commands, timer, "colour tables");
     colours->makeTables(commands, plan, view, extent);
+  }
+  if (gathers(plan)) {
+    const GpuScope scope(commands, timer, "vote");
+    gather->update(commands, plan, view, extent);
+    gather->vote(commands, plan, view, extent);
   }
   const bool atOnce = drawsAtOnce(plan);
   if (!atOnce || view == 0) {
@@ -179,6 +195,7 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan,
     cells->draw(commands, plan, order, view, extent);
   else
     overlays->draw(commands, plan, order, view, extent);
+  if (gathers(plan)) gather->draw(commands, plan, view, extent, stepsOf(*scene, plan, order, view).count);
   into.end(commands);
 }
 
@@ -187,6 +204,7 @@ void Renderer::record(VkCommandBuffer commandBuffer, const FramePlan& plan, std:
   const State& s = *state_;
   assert(!s.isSequence(plan) || s.options.colour == ColourSupport::all);
   assert(plan.settings.overlay == Overlay::none || (s.has(plan.settings.overlay) && !s.isSequence(plan)));
+  assert(plan.settings.composition == Composition::cells || s.gather);
   assert(targets.size() == plan.views.size() && targets.size() <= s.options.views);
   s.cells->update(commandBuffer, plan);
   const bool atOnce = s.drawsAtOnce(plan);
@@ -235,7 +253,8 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
                     .parameters = s.cells->parameterBytes(),
                     .noise = s.cells->noiseBytes(),
                     .uncertainties = s.uncertainties ? s.uncertainties->bytes() : 0,
-                    .hiddenArea = s.hidden ? s.hidden->bytes() : 0};
+                    .hiddenArea = s.hidden ? s.hidden->bytes() : 0,
+                    .gather = s.gather ? s.gather->bytes() : 0};
   const auto drawn = [&](std::size_t view) {
     const Intrinsics& k = plan.views[view].intrinsics;
     return s.drawn(plan, {std::uint32_t(k.width), std::uint32_t(k.height)});
@@ -247,6 +266,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   if (s.hidden) {
     counters.pipelines += s.hidden->pipelineCount();
     counters.workingBytes += s.hidden->bytes();
+  }
+  if (s.gather) {
+    counters.pipelines += GatherPass::kPipelineCount;
+    counters.workingBytes += s.gather->allocatedBytes();
   }
   if (s.overlays) counters.pipelines += s.overlays->pipelineCount();
   if (s.buffers) counters.pipelines += s.buffers->pipelineCount();
@@ -265,6 +288,12 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
   };
   for (std::size_t view = 0; view < plan.views.size(); ++view) {
     if (s.fills(plan)) counters.dispatches += FillPass::dispatchCount(drawn(view));
+    if (s.gathers(plan)) {
+      ++counters.passes;  // the depths of the candidates
+      counters.draws += std::uint32_t(plan.photographs.size());
+      counters.triangles += GatherPass::triangleCount(*s.scene, plan);
+      counters.dispatches += GatherPass::dispatchCount(plan, drawn(view));
+    }
     ++counters.passes;  // the composition, a triangle
     ++counters.draws;
     ++counters.triangles;
@@ -273,6 +302,10 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       if (order == Order::current && view == 1 && s.drawsAtOnce(plan)) continue;  // with the first
       ++counters.passes;
       const bool both = order == Order::current && s.drawsAtOnce(plan);
+      if (s.gathers(plan)) {  // a triangle over the canvas
+        ++counters.draws;
+        ++counters.triangles;
+      }
       if (s.hides(plan)) countHidden(s.hidden->triangleCount(view) + (both ? s.hidden->triangleCount(1) : 0));
       const Steps steps = stepsOf(*s.scene, plan, order, view);
       for (const Step& step : steps.all()) {

@@ -25,4 +25,15 @@ void writeStorageBuffer(const Device& device, VkDescriptorSet set, std::uint32_t
 void writeSampledImage(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkSampler sampler,
                        VkImageView view);
 
+/// An image in VK_IMAGE_LAYOUT_GENERAL that shaders write.
+void writeStorageImage(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkImageView view);
+
+/// An element of an array of descriptors.
+struct DescriptorSlot {
+  std::uint32_t binding = 0, element = 0;
+};
+/// An image in use::kSampled, without a sampler.
+void writeImage(const Device& device, VkDescriptorSet set, DescriptorSlot slot, VkImageView view);
+void writeSampler(const Device& device, VkDescriptorSet set, DescriptorSlot slot, VkSampler sampler);
+
 }  // namespace ibr

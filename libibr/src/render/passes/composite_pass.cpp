@@ -10,6 +10,7 @@
 #include "gpu/draw/rendering.h"
 #include "gpu/transfer/barrier.h"
 #include "gpu/transfer/format.h"
+#include "render/passes/canvas_source.h"
 #include "render/passes/floor_plane.h"
 #include "shaders/composite_frag.h"
 #include "shaders/composite_vert.h"

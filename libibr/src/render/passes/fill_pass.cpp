@@ -2,7 +2,6 @@
 #include "render/passes/fill_pass.h"
 
 #include <array>
-#include <span>
 
 #include "gpu/draw/descriptors.h"
 #include "gpu/draw/pipeline.h"
@@ -17,17 +16,6 @@ namespace {
 struct Constants {
   std::int32_t fine[2], coarse[2];
 };
-
-void writeStorageImage(const Device& device, VkDescriptorSet set, std::uint32_t binding, VkImageView view) {
-  const VkDescriptorImageInfo info{VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL};
-  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set;
-  write.dstBinding = binding;
-  write.descriptorCount = 1;
-  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-  write.pImageInfo = &info;
-  vkUpdateDescriptorSets(device.handle(), 1, &write, 0, nullptr);
-}
 
 struct Levels {
   std::array<VkExtent2D, 33> extents;  // of the canvas, then of the levels in use
@@ -49,8 +37,8 @@ constexpr ImageUse kComputeSampled{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_
 
 }  // namespace
 
-FillPass::FillPass(const Device& device, const Canvas& canvas, const Canvas* eyes) {
-  VkExtent2D extent = canvas.largest();
+FillPass::FillPass(const Device& device, VkExtent2D largest, std::span<const VkImageView> sources) {
+  VkExtent2D extent = largest;
   do {
     extent = coarser(extent);
     levels_.emplace_back(device,
@@ -67,7 +55,6 @@ FillPass::FillPass(const Device& device, const Canvas& canvas, const Canvas* eye
       {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr},
   }};
   setLayout_ = makeSetLayout(device, bindings);
-  const std::vector<CanvasSource> sources = sourcesOf(canvas, eyes);
   const auto sets = std::uint32_t(sources.size() + 2 * (levels_.size() - 1));
   const std::array<VkDescriptorPoolSize, 2> sizes{
       {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sets}, {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, sets}}};
@@ -78,7 +65,7 @@ FillPass::FillPass(const Device& device, const Canvas& canvas, const Canvas* eye
     writeStorageImage(device, set, 1, to.view());
     return set;
   };
-  for (const CanvasSource& source : sources) pullFirst_.push_back(makeSet(source.colour, levels_[0]));
+  for (const VkImageView source : sources) pullFirst_.push_back(makeSet(source, levels_[0]));
   for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
     pull_.push_back(makeSet(levels_[l].view(), levels_[l + 1]));
     push_.push_back(makeSet(levels_[l + 1].view(), levels_[l]));

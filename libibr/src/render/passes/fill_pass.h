@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tier 3: colours for what is still empty, from what is around it (shared/fill.h). The canvas is not changed; the
-// composition takes its empty pixels from `colours()`, which has half the canvas's width and height.
+// Values for what is still empty in an image, from what is around it (shared/fill.h): colours of tier 3, and depth
+// where no photograph votes. The image is not changed; empty pixels are taken from `colours()`, which has half its
+// width and height.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gpu/device/handle.h"
 #include "gpu/transfer/gpu_image.h"
 #include "ibr/device.h"
-#include "render/passes/canvas_source.h"
 
 namespace ibr {
 
 class FillPass {
  public:
-  /// `eyes`: a canvas of two layers that is filled too; null: there is none.
-  FillPass(const Device& device, const Canvas& canvas, const Canvas* eyes = nullptr);
+  /// `sources`: images of at most `largest` whose alpha is that of a canvas: isDrawn() of shared/hidden_area.h.
+  FillPass(const Device& device, VkExtent2D largest, std::span<const VkImageView> sources);
 
-  /// Outside a render pass, after the canvas was ended; `extent` as it was begun with. `source`: kFromCanvas, or
-  /// kFromEyes and the layer. Afterwards colours() is in
-  /// use::kSampled. Waits for the frame before it to have read them.
-  void record(VkCommandBuffer commands, VkExtent2D extent, std::size_t source = kFromCanvas) const noexcept;
+  /// Outside a render pass, after the source was drawn as a colour attachment, or written by a shader and made visible
+  /// to compute shaders; `extent`: what of it was. Afterwards colours() is in use::kSampled. Waits for the frame before
+  /// it to have read them.
+  void record(VkCommandBuffer commands, VkExtent2D extent, std::size_t source) const noexcept;
 
   const GpuImage& colours() const noexcept { return levels_[0]; }
   VkDeviceSize allocatedBytes() const noexcept;
@@ -35,7 +36,7 @@ class FillPass {
   void dispatch(VkCommandBuffer commands, VkPipeline pipeline, VkDescriptorSet set, VkExtent2D fine, VkExtent2D coarse,
                 VkExtent2D threads) const noexcept;
 
-  std::vector<GpuImage> levels_;  // RGBA16F; the first has half the canvas's size, the last 1×1
+  std::vector<GpuImage> levels_;  // RGBA16F; the first has half the source's size, the last 1×1
   SamplerHandle sampler_;
   DescriptorSetLayoutHandle setLayout_;
   DescriptorPoolHandle pool_;

@@ -14,6 +14,7 @@ PlannedCell::View alone(std::uint32_t member) noexcept {
 
 Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, std::size_t view) noexcept {
   Steps steps;
+  if (plan.settings.composition == Composition::gathered) return steps;
   const auto add = [&](const GpuScene::State::Mesh& mesh, Tier of, Tier tier, const PlannedCell::View& weights,
                        double opacity, std::uint32_t cell, std::uint32_t table, std::uint32_t rank,
                        double extrapolation, const Correction& correction, bool hidden) {
@@ -29,6 +30,13 @@ Steps stepsOf(const GpuScene::State& scene, const FramePlan& plan, Order order, 
     add(scene.backdrops[backdrop.backdrop], of, kTierBackdrop, alone(0), backdrop.opacity * share, b,
         backdrop.colourSlot, b, 0.0, backdrop.correction, backdrop.hidden);
   };
+  if (plan.settings.composition == Composition::hybrid) {
+    forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {
+      add(scene.cells[cell.cell], kTierAgrees, kTierAgrees, cell.view[view], cell.opacity, c, cell.colourSlot, rank,
+          cell.extrapolationDistance, cell.correction, cell.hidden);
+    });
+    return steps;
+  }
   const BackdropShares shown = forTier0(
       plan, order, scene.backdrops.size(), [&](std::uint32_t b, double share) { addBackdrop(kTierAgrees, b, share); },
       [&](const PlannedCell& cell, std::uint32_t c, std::uint32_t rank) {

@@ -5,6 +5,7 @@
 //   then all of tier 1, each cell from its best member alone;
 //   then backdrops (tier 2), what they have of tier 0 first, then what closes them across depth edges.
 //   Cells that leave stand at the places that they had
+//   Composition::hybrid: tier 0 of cells alone; gathered: nothing
 //
 // A photograph from the view's own place is right whatever its depth, where a cell misses what its members do not all
 // see.

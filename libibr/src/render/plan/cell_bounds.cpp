@@ -8,6 +8,7 @@
 
 #include "ibr/renderer.h"
 #include "render/plan/anchors.h"
+#include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
 
 namespace ibr {
@@ -95,6 +96,7 @@ SceneBounds sceneBounds(const Scene& scene) {
   SceneBounds bounds;
   for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
   for (const Cell& backdrop : scene.backdrops) bounds.backdrops.push_back(boundsOf(scene, backdrop));
+  if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherBounds(scene);
   bounds.anchors = std::make_shared<AnchorsOnDemand>();
   return bounds;
 }

@@ -24,6 +24,7 @@
 #include "render/plan/culling.h"
 #include "render/plan/exposure_plan.h"
 #include "render/plan/occlusion.h"
+#include "render/plan/photograph_choice.h"
 #include "render/plan/transition.h"
 #include "scene/scene_faults.h"
 
@@ -50,6 +51,22 @@ void checkScale(const char* name, double scale) {
   check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "settings: {} {} is not positive", name, scale);
 }
 
+void checkGather(const RenderSettings& settings) {
+  const auto inRange = [](const char* name, std::uint32_t value, std::uint32_t most) {
+    check(value >= 1 && value <= most, ErrorCode::invalidInput, "settings: {} {} is not between 1 and {}", name, value,
+          most);
+  };
+  inRange("gatherCandidates", settings.gatherCandidates, kMaxGatherCandidates);
+  inRange("gatherColours", settings.gatherColours, kMaxGatherColours);
+  inRange("gatherLayers", settings.gatherLayers, kMaxGatherLayers);
+  check(settings.voteScale > 0 && settings.voteScale <= 1, ErrorCode::invalidInput,
+        "settings: voteScale {} is not above 0 and at most 1", settings.voteScale);
+  check(settings.order == DrawOrder::ours, ErrorCode::invalidInput,
+        "settings: order paper is for composition cells only");
+  check(settings.colourMapping <= ColourMapping::ours, ErrorCode::invalidInput,
+        "settings: the paper's colourMapping is for composition cells only");
+}
+
 // The pose in the middle: of two views the mean position and the rotation half-way.
 Pose middleOf(const std::vector<Camera>& views) {
   const Pose &first = views.front().pose, &last = views.back().pose;
@@ -67,6 +84,7 @@ class Planner {
     for (const Camera& view : input.views) checkView(view);
     checkScale("textureScale", settings_.textureScale);
     checkScale("renderScale", settings_.renderScale);
+    if (settings_.composition != Composition::cells) checkGather(settings_);
     plan_.views = input.views;
     for (Camera& view : plan_.views) {
       view.pose.rotation = glm::normalize(view.pose.rotation);
@@ -90,6 +108,7 @@ class Planner {
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
     mixSwitch();
+    choosePhotographs();
     rememberSingles();
     plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
     planColours(scene_, dt_, state_, plan_);
@@ -373,6 +392,20 @@ class Planner {
     }
     if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
       plan_.nearDistance = 0.05 * candidates[0].distance;
+  }
+
+  // A scene that cannot be gathered from is drawn by its cells.
+  void choosePhotographs() {
+    if (settings_.composition == Composition::cells) return;
+    plan_.gather = bounds_.gather;
+    plan_.photographs =
+        ibr::choosePhotographs(scene_, bounds_.gather, plan_.views, middle_, settings_.gatherCandidates);
+    if (plan_.photographs.empty()) {
+      plan_.settings.composition = Composition::cells;
+      return;
+    }
+    if (plan_.cells.empty() && plan_.backdrops.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
+    if (settings_.composition == Composition::gathered) plan_.formerWeight = 0;
   }
 
   void mixSwitch() {

@@ -40,6 +40,11 @@ RendererOptions optionsFor(const RenderSettings& settings, VkExtent2D largest, V
   options.switchMixing = settings.switchSeconds > 0;
   options.fill = settings.lowestTier >= kTierFilled;
   options.formats = {format};
+  options.compositions = {settings.composition};
+  options.gatherCandidates = settings.gatherCandidates;
+  options.gatherColours = settings.gatherColours;
+  options.gatherLayers = settings.gatherLayers;
+  options.voteScale = settings.voteScale;
   options.orders = {settings.order};
   options.blends = {settings.blend};
   options.dissolve = settings.fadeShare > 0 || settings.switchSeconds > 0;  // what changes its place fades too

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "render/plan/draw_order.h"
+#include "render/plan/photograph_choice.h"
 
 namespace ibr {
 namespace {
@@ -34,6 +35,7 @@ Requirements ofScene(const Scene& scene) {
     r.mixedCells += panoramas != 0 && std::size_t(panoramas) != cell.members.size();
     r.rejected = r.rejected || cell.mesh.tier0Count() < cell.mesh.triangles.size();
   }
+  r.gatherable = std::uint32_t(gatherableBackdrops(scene).size());
   for (const Cell& backdrop : scene.backdrops)
     r.stretched = r.stretched || backdrop.mesh.tier0Count() < backdrop.mesh.triangles.size();
   return r;
@@ -59,6 +61,8 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   for (const Overlay overlay : options.overlays)
     if (overlay != Overlay::none && !has(r.overlays, overlay)) r.overlays.push_back(overlay);
   r.buffers = options.buffers != nullptr;
+  r.gather = r.gatherable > 0 &&
+             (has(options.compositions, Composition::gathered) || has(options.compositions, Composition::hybrid));
   r.floor = options.floor;
   r.hiddenArea =
       r.depthOrder && (!options.hiddenArea[0].empty() || (options.views == 2 && !options.hiddenArea[1].empty()));
@@ -97,6 +101,10 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
       r.dissolve ? "what changes its place, or is far, fades" : "not asked for, or nothing to draw");
   add("blue noise", r.noise, r.noise ? "something dithers or dissolves" : "nothing dithers or dissolves");
   const char* const alone = "one cell or none: nothing to switch to or to adapt to";
+  add("vote and gather", r.gather,
+      r.gather           ? fmt::format("{} photographs have a depth that others were asked about", r.gatherable)
+      : r.gatherable > 0 ? "not asked for"
+                         : "no photograph has a depth texture and evidence in its mesh");
   add("mixing of switches", r.switchMixing,
       r.switchMixing ? "the main cell can change" : (r.cells > 1 ? "not asked for" : alone));
   add("gains of photographs", r.gains,

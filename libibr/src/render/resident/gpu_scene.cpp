@@ -2,10 +2,13 @@
 #include "render/resident/gpu_scene_state.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "gpu/transfer/upload.h"
+#include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
+#include "shared/gather.h"
 
 namespace ibr {
 namespace {
@@ -67,8 +70,16 @@ Buffer makeArena(const Device& device, std::span<const std::byte> bytes, VkBuffe
 
 GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions& options)
     : sets(device, options.filter), requirements(requirementsOf(scene, {})) {
+  if (!options.depth) requirements.gatherable = 0;
   addMeshes(device, scene, options.stagingBytes);
-  const std::uint64_t meshBytes = vertices.allocatedBytes() + indices.allocatedBytes();
+  std::vector<std::uint32_t> gathered;  // nodes
+  if (requirements.gatherable > 0) {
+    for (const std::uint32_t b : gatherableBackdrops(scene)) gathered.push_back(scene.backdrops[b].members[0]);
+    addEvidence(device, scene, options.stagingBytes);
+    depths = DepthTextures(device, scene, gathered, options.depthSource, options.stagingBytes);
+  }
+  const std::uint64_t meshBytes =
+      vertices.allocatedBytes() + indices.allocatedBytes() + evidence.allocatedBytes() + depths.allocatedBytes();
   photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);
   for (std::vector<Mesh>* meshes : {&cells, &backdrops})
     for (Mesh& mesh : *meshes) {
@@ -81,6 +92,7 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
       });
       bind(mesh, 0, 0);
     }
+  if (!gathered.empty()) gather.emplace(device, options.filter, *photographs, depths, gathered);
   if (!photographs->streams()) return;
   cellsOfNode.resize(scene.nodes.size());
   for (std::uint32_t c = 0; c < cells.size(); ++c)
@@ -112,6 +124,21 @@ void GpuScene::State::addMeshes(Device& device, const Scene& scene, std::uint64_
   uploader.flush();
 }
 
+void GpuScene::State::addEvidence(Device& device, const Scene& scene, std::uint64_t stagingBytes) {
+  std::vector<glm::u16vec2> values;
+  const auto share = [](float value) { return std::uint16_t(std::lround(65535.0f * std::clamp(value, 0.0f, 1.0f))); };
+  for (const std::uint32_t b : gatherableBackdrops(scene)) {
+    const MorphMesh& mesh = scene.backdrops[b].mesh;
+    backdrops[b].evidenceOffset = values.size() * sizeof values[0];
+    for (std::size_t p = 0; p < mesh.pointCount(); ++p)
+      values.emplace_back(share(shader::gatherTrust(mesh.confirmations[p])), share(mesh.consensus[p]));
+  }
+  Uploader uploader(device, stagingBytes);
+  evidence = makeArena(device, std::as_bytes(std::span(values)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "evidence of depth",
+                       uploader);
+  uploader.flush();
+}
+
 // Slots beyond the mesh's members repeat its first photograph; they are never sampled.
 void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame) {
   PhotographSets::Slots slots;
@@ -128,6 +155,8 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
 // Calls `visit` with every mesh of a plan, of the order now and of the one before; with some more than once.
 template <class Meshes, class Visit>
 void forDrawn(const FramePlan& plan, Meshes& cells, Meshes& backdrops, Visit&& visit) {
+  for (const PlannedPhotograph& photograph : plan.photographs) visit(backdrops[photograph.backdrop]);
+  if (plan.settings.composition == Composition::gathered) return;
   for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
   for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
   for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
@@ -172,23 +201,31 @@ GpuScene::~GpuScene() = default;
 GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePlan& plan, std::uint64_t frame,
                                     std::uint64_t completedFrame) {
   State& state = *state_;
-  if (!state.photographs->streams()) return {};
+  if (!state.photographs->streams()) {
+    if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
+    return {};
+  }
   const WantedNodes wanted = wantedNodes(state, plan, state.photographs->mostResident());
   const Streamed streamed = state.photographs->stream(commandBuffer, wanted.nodes, wanted.needed, frame, completedFrame,
-                                                      [&](VkImageView view) { state.sets.forget(view); });
+                                                      [&](VkImageView view) {
+                                                        state.sets.forget(view);
+                                                        if (state.gather) state.gather->forget(view);
+                                                      });
   forDrawn(plan, state.cells, state.backdrops,
            [&](GpuScene::State::Mesh& mesh) { state.bind(mesh, frame, completedFrame); });
+  if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
   return streamed;
 }
 
 bool GpuScene::streams() const noexcept {
-  return state_->photographs->streams();
+  return state_->photographs->streams() || (state_->gather && state_->gather->bindsFrames());
 }
 
 GpuScene::Memory GpuScene::memory() const noexcept {
-  return {.positions = state_->vertices.allocatedBytes(),
+  return {.positions = state_->vertices.allocatedBytes() + state_->evidence.allocatedBytes(),
           .indices = state_->indices.allocatedBytes(),
-          .textures = state_->photographs->allocatedBytes()};
+          .textures = state_->photographs->allocatedBytes(),
+          .depth = state_->depths.allocatedBytes()};
 }
 
 }  // namespace ibr

@@ -7,12 +7,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "gpu/device/handle.h"
 #include "gpu/transfer/buffer.h"
 #include "ibr/renderer.h"
 #include "ibr/requirements.h"
+#include "render/resident/depth_textures.h"
+#include "render/resident/gather_textures.h"
 #include "render/resident/photograph_sets.h"
 #include "render/resident/resident_photographs.h"
 
@@ -34,12 +37,14 @@ struct GpuScene::State {
     bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
     IndexRange tier[2];                  // agreeing, rejected (of a backdrop: stretched)
+    VkDeviceSize evidenceOffset = 0;     // bytes into `evidence`; of a backdrop that can be gathered from
     VkDescriptorSet photographs = VK_NULL_HANDLE;
   };
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);
 
   void addMeshes(Device& device, const Scene& scene, std::uint64_t stagingBytes);
+  void addEvidence(Device& device, const Scene& scene, std::uint64_t stagingBytes);
 
   /// Points the mesh to where its photographs are now.
   void bind(Mesh& mesh, std::uint64_t frame, std::uint64_t completedFrame);
@@ -47,6 +52,9 @@ struct GpuScene::State {
   PhotographSets sets;
   std::unique_ptr<Photographs> photographs;
   Buffer vertices, indices;
+  Buffer evidence;       // trust and consensus of the backdrops' vertices, two times 16 bits; empty: no gather
+  DepthTextures depths;  // of the photographs that can be gathered from
+  std::optional<GatherTextures> gather;
   std::vector<Mesh> cells, backdrops;                   // as those of the scene
   std::vector<std::vector<std::uint32_t>> cellsOfNode;  // only where photographs are streamed
   Requirements requirements;                            // the scene's own part

@@ -18,16 +18,6 @@ VkSamplerMipmapMode mipmapMode(const Device& device, TextureFilter filter) {
   return nearest ? VK_SAMPLER_MIPMAP_MODE_NEAREST : VK_SAMPLER_MIPMAP_MODE_LINEAR;
 }
 
-SamplerHandle makeSampler(const Device& device, TextureFilter filter, VkSamplerAddressMode addressModeU) {
-  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
-  info.magFilter = info.minFilter = VK_FILTER_LINEAR;
-  info.mipmapMode = mipmapMode(device, filter);
-  info.addressModeU = addressModeU;
-  info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  info.maxLod = VK_LOD_CLAMP_NONE;
-  return make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler");
-}
-
 DescriptorSetLayoutHandle makeLayout(const Device& device) {
   std::array<VkDescriptorSetLayoutBinding, shader::kMaxMembers> bindings{};
   for (std::uint32_t i = 0; i < bindings.size(); ++i)
@@ -37,10 +27,20 @@ DescriptorSetLayoutHandle makeLayout(const Device& device) {
 
 }  // namespace
 
+SamplerHandle makePhotographSampler(const Device& device, TextureFilter filter, VkSamplerAddressMode addressModeU) {
+  VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  info.magFilter = info.minFilter = VK_FILTER_LINEAR;
+  info.mipmapMode = mipmapMode(device, filter);
+  info.addressModeU = addressModeU;
+  info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  info.maxLod = VK_LOD_CLAMP_NONE;
+  return make<SamplerHandle>(device, vkCreateSampler, info, "vkCreateSampler");
+}
+
 PhotographSets::PhotographSets(const Device& device, TextureFilter filter)
     : device_(&device),
-      ends_(makeSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE)),
-      wraps_(makeSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_REPEAT)),
+      ends_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE)),
+      wraps_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_REPEAT)),
       layout_(makeLayout(device)) {}
 
 VkDescriptorSet PhotographSets::get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame) {

@@ -19,6 +19,9 @@
 
 namespace ibr {
 
+/// Samples photographs as `filter` says; the row's ends follow `addressModeU`.
+SamplerHandle makePhotographSampler(const Device& device, TextureFilter filter, VkSamplerAddressMode addressModeU);
+
 class PhotographSets {
  public:
   PhotographSets(const Device& device, TextureFilter filter);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Depth textures of photographs on the device (Node::depthFile): layers of array images, one for each size.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/transfer/gpu_image.h"
+#include "ibr/gpu_scene.h"
+
+namespace ibr {
+
+class DepthTextures {
+ public:
+  DepthTextures() = default;
+  /// `nodes`: whose depths are read, all at once. Submits uploads and waits. Throws Error (io, invalidInput) for a
+  /// texture of another format than rg16f or with several levels.
+  DepthTextures(const Device& device, const Scene& scene, const std::vector<std::uint32_t>& nodes,
+                const TextureSource& source, std::uint64_t stagingBytes);
+
+  struct Sampled {
+    VkImageView view = VK_NULL_HANDLE;
+    std::uint32_t layer = 0;
+    double scale = 0;  // Node::depthScale
+  };
+  /// Of one of the nodes.
+  const Sampled& at(std::uint32_t node) const noexcept { return places_[node]; }
+
+  std::uint64_t allocatedBytes() const noexcept;
+
+ private:
+  std::vector<GpuImage> arrays_;
+  std::vector<Sampled> places_;  // by node
+};
+
+}  // namespace ibr

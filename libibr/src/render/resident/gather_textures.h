@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textures of the candidate photographs, bound for the gather: 16 slots for arrays of photographs, 16 for arrays of
+// depths, and no sampler is ever indexed.
+//
+// Where all arrays of the scene fit into the slots, one descriptor set serves all frames. Otherwise, or where
+// photographs are streamed, each frame has a set with the candidates' arrays in their order; it is never written while
+// a frame may use it.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "gpu/device/handle.h"
+#include "ibr/device.h"
+#include "ibr/renderer.h"
+#include "render/resident/depth_textures.h"
+#include "render/resident/resident_photographs.h"
+#include "shared/gather.h"
+
+namespace ibr {
+
+class GatherTextures {
+ public:
+  /// `nodes`: photographs that can be gathered from. The two resident sets must outlive it.
+  GatherTextures(const Device& device, TextureFilter filter, const Photographs& photographs,
+                 const DepthTextures& depths, const std::vector<std::uint32_t>& nodes);
+
+  struct Place {
+    std::uint32_t slot = 0, layer = 0, depthSlot = 0, depthLayer = 0;
+    double depthScale = 0;
+  };
+  /// Of the photograph that is `candidate` in the plan that was bound last.
+  Place place(std::size_t candidate, std::uint32_t node) const noexcept;
+
+  /// Whether frames are to be bound one by one.
+  bool bindsFrames() const noexcept { return bindsFrames_; }
+  void bind(std::span<const PlannedPhotograph> photographs, std::uint64_t frame, std::uint64_t completedFrame);
+  /// The view goes; frames that used it have finished.
+  void forget(VkImageView view);
+
+  VkDescriptorSet set() const noexcept { return bound_; }
+  VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
+  std::uint32_t photographSlots() const noexcept { return photographSlots_; }  // that shaders tell apart
+  std::uint32_t depthSlots() const noexcept { return depthSlots_; }
+
+ private:
+  struct Slots {
+    std::array<VkImageView, shader::kMaxGathered> photographs{}, depths{};
+    auto operator<=>(const Slots&) const = default;
+  };
+  struct Set {
+    VkDescriptorSet handle;
+    std::uint64_t lastFrame;
+  };
+  VkDescriptorSet get(const Slots& slots, std::uint64_t frame, std::uint64_t completedFrame);
+  VkDescriptorSet unusedSet();
+
+  const Device* device_;
+  const Photographs* photographs_;
+  const DepthTextures* depths_;
+  SamplerHandle ends_, wraps_;
+  DescriptorSetLayoutHandle layout_;
+  std::vector<DescriptorPoolHandle> pools_;
+  std::map<Slots, Set> sets_;
+  std::vector<VkDescriptorSet> unused_;
+  bool bindsFrames_ = false;
+  std::uint32_t photographSlots_ = 1, depthSlots_ = 1;
+  std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, where one set serves all frames
+  VkDescriptorSet bound_ = VK_NULL_HANDLE;
+};
+
+}  // namespace ibr

@@ -1,0 +1,15 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// A pixel of the canvas on which no cell was drawn.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "render/gather.glsl"
+
+layout(early_fragment_tests) in;  // pixels that are covered cost nothing
+layout(location = 0) out vec4 outColour;
+
+void main() {
+  float depth;
+  outColour = gatheredColour(depth);
+  if (outColour.a == 0.0) discard;
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pixel's colour from the photographs that see its surfaces: what the fragment stages of the gather share.
+#include "render/gather_view.glsl"
+#include "shared/cell.h"
+#include "shared/panorama.h"
+
+layout(constant_id = 0) const int kCandidates = 12;
+layout(constant_id = 1) const int kLayers = 2;
+layout(constant_id = 2) const int kColours = 4;
+layout(constant_id = 3) const int kSlots = 1;       // texture arrays of photographs that are bound
+layout(constant_id = 4) const int kDepthSlots = 1;  // of depths
+layout(constant_id = 5) const bool kPanoramas = false;  // a photograph may be one
+layout(constant_id = 6) const bool kExposed = false;    // photographs have gains
+layout(constant_id = 7) const bool kMasked = false;     // photographs have masks
+
+layout(set = kSetGatherView, binding = kBindingGatherVoted) uniform sampler2D voted;
+layout(set = kSetGatherView, binding = kBindingGatherHoles) uniform sampler2D holes;
+layout(set = kSetGatherTextures, binding = kBindingGatherPhotographs) uniform texture2DArray photographs[kMaxGathered];
+layout(set = kSetGatherTextures, binding = kBindingGatherDepths) uniform texture2DArray depths[kMaxGathered];
+layout(set = kSetGatherTextures, binding = kBindingGatherSamplers) uniform sampler samplers[2];  // ends, wraps
+
+// Texture arrays are not indexed, since not every device can.
+#define SAMPLE(which, s, at, lod, around)                                                  \
+  (kPanoramas && around ? textureLod(sampler2DArray(which[s], samplers[1]), at, lod)       \
+                        : textureLod(sampler2DArray(which[s], samplers[0]), at, lod))
+#define SAMPLE_SLOT(which, count, s) \
+  if (count > s && slot == uint(s)) return SAMPLE(which, s, at, lod, around);
+#define SAMPLE_SLOTS(which, count)                                                                      \
+  if (count == 1) return SAMPLE(which, 0, at, lod, around);                                             \
+  SAMPLE_SLOT(which, count, 0) SAMPLE_SLOT(which, count, 1) SAMPLE_SLOT(which, count, 2)                \
+  SAMPLE_SLOT(which, count, 3) SAMPLE_SLOT(which, count, 4) SAMPLE_SLOT(which, count, 5)                \
+  SAMPLE_SLOT(which, count, 6) SAMPLE_SLOT(which, count, 7) SAMPLE_SLOT(which, count, 8)                \
+  SAMPLE_SLOT(which, count, 9) SAMPLE_SLOT(which, count, 10) SAMPLE_SLOT(which, count, 11)              \
+  SAMPLE_SLOT(which, count, 12) SAMPLE_SLOT(which, count, 13) SAMPLE_SLOT(which, count, 14)             \
+  SAMPLE_SLOT(which, count, 15)                                                                         \
+  return vec4(0.0);
+
+vec4 photographTexel(uint slot, vec3 at, float lod, bool around) { SAMPLE_SLOTS(photographs, kSlots) }
+vec4 depthTexel(uint slot, vec3 at, float lod, bool around) { SAMPLE_SLOTS(depths, kDepthSlots) }
+
+/// Where a candidate sees a point, and how well.
+struct Sight {
+  vec2 at;       // texture coordinate
+  float weight;  // 0: not at all
+  float lod;     // mip level
+};
+
+Sight sightOf(int k, vec3 ray, float rho) {
+  Sight sight = Sight(vec2(0.0), 0.0, 0.0);
+  const uint v = c.view;
+  const vec3 shift = views[v].candidate[k].shift, turned = views[v].candidate[k].toPhotograph * ray,
+             direction = turned + rho * shift;
+  const bool around = kPanoramas && views[v].candidate[k].panorama != 0u;
+  const float distance = length(direction);
+  float border = 1.0, here;
+  if (around) {
+    if (!(distance > 0.0)) return sight;
+    sight.at = panoramaCoordinate(direction);
+    here = rho / distance;
+  } else {
+    if (!(direction.z < 0.0)) return sight;
+    const vec2 tangent = vec2(direction.x, -direction.y) / -direction.z;
+    sight.at = views[v].candidate[k].principal + views[v].candidate[k].focal * tangent;
+    const vec2 inside = min(sight.at, 1.0 - sight.at);
+    // In widths: the border is equally wide on all sides.
+    const float square = views[v].candidate[k].focal.x / views[v].candidate[k].focal.y;
+    const float least = min(inside.x, inside.y * square);
+    if (least < 0.0) return sight;
+    border = min(least / kGatherBorder, 1.0);
+    here = rho / -direction.z;
+  }
+  // The angle at the point between the two rays; the cross product of the near parallel is taken from the shift.
+  const float angle = atan(rho * length(cross(turned, shift)), dot(turned, direction));
+  const float beyond = angle + views[v].candidate[k].distanceCost;
+  const float finer = views[v].candidate[k].focalPx * length(ray) / (views[v].focalPx * distance);
+  const float resolution = min(finer, kGatherMaxResolution);
+  const float own =
+      views[v].candidate[k].depthScale *
+      depthTexel(views[v].candidate[k].depthSlot, vec3(sight.at, float(views[v].candidate[k].depthLayer)), 0.0, around)
+          .r;
+  const float tolerance =
+      2.0 * gatherTolerance(views[v].candidate[k].step, here) + views[v].candidate[k].residual;
+  const float before = clamp((own - here) / tolerance - 1.0, 0.0, 1.0),
+              behind = clamp((here - own) / tolerance - 1.0, 0.0, 1.0);
+  const float visible = max((1.0 - before) * (1.0 - (1.0 - kGatherBehind) * behind), kGatherHidden);
+  const float apart = smoothstep(0.0, kGatherOwnPlace, beyond);
+  sight.weight = views[v].candidate[k].weight * resolution * resolution * mix(1.0, border, apart) *
+                 mix(1.0, visible, apart) / ((kGatherAngleFloor + beyond) * max(apart, kGatherLeastApart));
+  sight.lod = max(log2(finer * views[v].detail), 0.0);
+  return sight;
+}
+
+vec4 colourOf(int k, vec2 at, float lod) {
+  const uint v = c.view;
+  const bool around = kPanoramas && views[v].candidate[k].panorama != 0u;
+  vec4 colour =
+      photographTexel(views[v].candidate[k].slot, vec3(at, float(views[v].candidate[k].layer)), lod, around);
+  if (kExposed)
+    colour.rgb = exposedColour(colour.rgb, views[v].candidate[k].gain, views[v].candidate[k].slope);
+  return colour;
+}
+
+struct Gathered {
+  vec3 colour;
+  float variance;  // 8-bit levels², mean over the channels; negative: no photograph sees the surface
+};
+
+Gathered gather(vec3 ray, float rho) {
+  // The best, by weight; the one after the N best is what these are compared to.
+  float weight[kMaxGatheredColours + 1], lod[kMaxGatheredColours + 1];
+  int who[kMaxGatheredColours + 1];
+  vec2 at[kMaxGatheredColours + 1];
+  for (int i = 0; i <= kColours; ++i) {
+    weight[i] = 0.0;
+    who[i] = 0;
+    lod[i] = 0.0;
+    at[i] = vec2(0.0);
+  }
+  for (int k = 0; k < kCandidates; ++k) {
+    if (k >= int(views[c.view].count)) break;
+    Sight sight = sightOf(k, ray, rho);
+    if (kMasked && sight.weight > 0.0) sight.weight *= maskShare(colourOf(k, sight.at, sight.lod).a);
+    int carried = k;
+    for (int i = 0; i <= kColours; ++i)
+      if (sight.weight > weight[i]) {
+        const Sight displaced = Sight(at[i], weight[i], lod[i]);
+        const int other = who[i];
+        at[i] = sight.at;
+        weight[i] = sight.weight;
+        lod[i] = sight.lod;
+        who[i] = carried;
+        sight = displaced;
+        carried = other;
+      }
+  }
+  Gathered result = Gathered(vec3(0.0), -1.0);
+  float sum = 0.0;
+  vec3 mean = vec3(0.0), square = vec3(0.0);
+  for (int i = 0; i < kColours; ++i) {
+    const float w = weight[i] - weight[kColours];
+    if (!(w > 0.0)) continue;
+    const vec3 colour = colourOf(who[i], at[i], lod[i]).rgb;
+    sum += w;
+    mean += w * colour;
+    square += w * colour * colour;
+  }
+  if (!(sum > 0.0)) return result;
+  result.colour = mean / sum;
+  const vec3 spread = max(square / sum - result.colour * result.colour, vec3(0.0));
+  result.variance = dot(spread, vec3(255.0 * 255.0 / 3.0));
+  return result;
+}
+
+/// What the vote says of a pixel, holes filled.
+struct Surfaces {
+  float rho[2];
+  int tier[2];
+  float opacity;  // of the first, before the second
+  int count;      // 0: nothing at all
+};
+
+Surfaces surfacesAt(vec2 pixel) {
+  const ivec2 at = min(ivec2(pixel * vec2(c.voteExtent) / vec2(c.extent)), ivec2(c.voteExtent) - 1);
+  const vec4 vote = texelFetch(voted, at, 0);
+  Surfaces s;
+  s.rho[0] = vote.x;
+  s.rho[1] = max(vote.y, 0.0);
+  s.opacity = vote.z;
+  const int code = int(vote.w + 0.5) - 1;
+  s.tier[0] = (code & 1) != 0 ? 2 : 0;
+  s.tier[1] = (code & 2) != 0 ? 2 : 0;
+  s.count = vote.y >= 0.0 ? 2 : 1;
+  if (code < 0) {  // a hole: pushed down from the level of half the size
+    const ivec2 last = ivec2(c.voteExtent + 1u) / 2 - 1;
+    const vec2 half_ = 0.5 * (vec2(at) + 0.5) - 0.5;
+    const ivec2 corner = ivec2(floor(half_));
+    const vec2 t = half_ - vec2(corner);
+    const vec4 a = texelFetch(holes, clamp(corner, ivec2(0), last), 0),
+               b = texelFetch(holes, clamp(corner + ivec2(1, 0), ivec2(0), last), 0),
+               d = texelFetch(holes, clamp(corner + ivec2(0, 1), ivec2(0), last), 0),
+               e = texelFetch(holes, clamp(corner + ivec2(1, 1), ivec2(0), last), 0);
+    s.rho[0] = mix(mix(a.r, b.r, t.x), mix(d.r, e.r, t.x), t.y);
+    s.tier[0] = 3;
+    s.count = a.a > 0.0 ? 1 : 0;
+  }
+  return s;
+}
+
+/// Colour and tier code of a pixel, and the ρ of its nearest surface that hides at least half of what is behind.
+/// Alpha 0: nothing shows.
+vec4 gatheredColour(out float depth) {
+  const Surfaces s = surfacesAt(gl_FragCoord.xy);
+  const vec4 toRay = views[c.view].toRay;
+  const vec3 ray = vec3(toRay.xy * gl_FragCoord.xy + toRay.zw, -1.0);
+  float behind = 1.0, sum = 0.0, most = -1.0;
+  vec3 colour = vec3(0.0);
+  int tier = 0;
+  depth = s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0];
+  for (int l = 0; l < kLayers; ++l) {
+    if (l >= s.count) break;
+    const Gathered gathered = gather(ray, s.rho[l]);
+    if (gathered.variance < 0.0) continue;
+    const float opacity = l + 1 == s.count ? 1.0 : s.opacity;
+    const float weight = behind * opacity / (1.0 + gathered.variance / (kGatherColourSpread * kGatherColourSpread));
+    behind *= 1.0 - opacity;
+    sum += weight;
+    colour += weight * gathered.colour;
+    if (weight > most) {
+      most = weight;
+      tier = s.tier[l];
+    }
+  }
+  if (!(sum > 0.0) || tier > views[c.view].lowestTier) return vec4(0.0);
+  return vec4(colour / sum, (255.0 - 64.0 * float(tier)) / 255.0);
+}

@@ -1,0 +1,15 @@
+#version 460
+// SPDX-License-Identifier: Apache-2.0
+// As gather.frag, with the canvas's depth, for targets that have one.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "render/gather.glsl"
+
+layout(location = 0) out vec4 outColour;
+
+void main() {
+  float depth;
+  outColour = gatheredColour(depth);
+  if (outColour.a == 0.0) discard;
+  gl_FragDepth = c.depthFirst + c.depthSpan * clamp(1.0 - views[c.view].nearDistance * depth, 0.0, 1.0);
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vote for depth, then gather colours from the photographs that saw it (Composition::gathered), for GLSL and C++.
+//
+//   layers   the mesh of every candidate photograph is drawn into a tile of an atlas: ρ, trust, consensus
+//   vote     hypotheses of a pixel support each other; peaks of support, front to back, are the pixel's surfaces
+//   gather   a surface's colour is the mean of the N photographs that see it best
+//
+// All lengths are in units of b, the median spacing of the capture sites; ρ is 1 / length.
+#ifndef IBR_SHARED_GATHER_H
+#define IBR_SHARED_GATHER_H
+
+#include "shared/glsl.h"
+
+IBR_SHARED_BEGIN
+
+IBR_CONSTANT int kMaxGathered = 16;       // candidate photographs
+IBR_CONSTANT int kMaxGatheredColours = 8;  // photographs of a pixel's colour
+IBR_CONSTANT int kGatherColumns = 4;       // tiles of the atlas in a row
+IBR_CONSTANT int kGatherGroup = 8;         // threads of a workgroup, each way
+IBR_CONSTANT int kSetGatherView = 0;       // descriptor sets
+IBR_CONSTANT int kSetGatherTextures = 1;
+IBR_CONSTANT int kBindingGatherViews = 0;  // of kSetGatherView: GatherView[]
+IBR_CONSTANT int kBindingGatherAtlas = 1;
+IBR_CONSTANT int kBindingGatherVote = 2;  // written by the vote
+IBR_CONSTANT int kBindingGatherVoted = 3;  // the same image, read by the gather
+IBR_CONSTANT int kBindingGatherHoles = 4;
+IBR_CONSTANT int kBindingGatherPhotographs = 0;  // of kSetGatherTextures
+IBR_CONSTANT int kBindingGatherDepths = 1;
+IBR_CONSTANT int kBindingGatherSamplers = 2;
+
+// Constants of the method; ±50 % of any changes the picture by .05 dB.
+IBR_CONSTANT float kGatherNear = 0.01f;           // distance within which surfaces are not told apart, b
+IBR_CONSTANT float kGatherNearness = 0.3f;        // of a vote's weight: trust / (kGatherNearness + (d / b)²)
+IBR_CONSTANT float kGatherAngleFloor = 0.03f;     // radians, added to every angle
+IBR_CONSTANT float kGatherDistanceCost = 0.001f;  // radians a b of distance
+IBR_CONSTANT float kGatherBorder = 0.04f;         // of the photograph's width, along which it comes and goes
+IBR_CONSTANT float kGatherMaxResolution = 1.5f;   // of the view's: a finer photograph is no better
+IBR_CONSTANT float kGatherHidden = 0.002f;        // a hidden photograph is better than none
+IBR_CONSTANT float kGatherBehind = 0.25f;         // visibility where the photograph's own surface stands behind
+IBR_CONSTANT float kGatherOwnPlace = 0.01f;       // radians of cost within which hiding and borders stop to count
+IBR_CONSTANT float kGatherLeastApart = 1e-6f;
+IBR_CONSTANT float kGatherSupportShare = 0.05f;  // of the largest support of a pixel: less is no surface
+IBR_CONSTANT float kGatherFullConsensus = 0.9f;  // from which on a surface hides all behind it
+IBR_CONSTANT float kGatherColourSpread = 15.0f;  // 8-bit levels; a surface whose colours differ by this counts half
+IBR_CONSTANT float kGatherSteps = 2.0f;          // of the vote's tolerance: steps …
+IBR_CONSTANT float kGatherShare = 0.01f;         // … and a share of ρ
+IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust: a hypothesis below it was completed, not matched
+
+/// A photograph as one view uses it. "Photograph axes": those of its camera.
+struct GatherCandidate {
+  mat3 toView;  // photograph axes → view axes
+  vec3 place;   // of the photograph from the view, view axes
+  mat3 toPhotograph;
+  vec3 shift;      // of the view from the photograph, photograph axes
+  vec2 focal;      // in widths and heights; of a panorama unused
+  vec2 principal;  // likewise
+  float width;     // px
+  float focalPx;   // px a radian in the middle
+  float weight;    // as a whole, 0 to 1
+  float voteWeight;    // weight / (kGatherNearness + d²)
+  float distanceCost;  // radians
+  float step;          // ρ that moves a point by 2 px over b
+  float residual;      // ρ that moves a point by the reprojection residual over b
+  float depthScale;    // ρ of a red of 1 in its depth texture
+  uint slot;           // of its texture array, and layer
+  uint layer;
+  uint depthSlot;  // of its depth's
+  uint depthLayer;
+  uint panorama;  // 1: it is one
+  vec3 gain;      // of its linear light
+  vec3 slope;     // gain^(1 / 2.4)
+};
+
+struct GatherView {
+  GatherCandidate candidate[kMaxGathered];
+  vec4 projection;  // as CellParameters::projection
+  vec4 toRay;       // ray.xy = toRay.xy · pixel + toRay.zw, pixels of the image as it is drawn; ray.z = −1
+  float spacing;    // b, world units
+  float step;       // median of the candidates' steps
+  float focalPx;    // px a radian in the middle of the image as it is drawn
+  float detail;     // as CellParameters::detail
+  float nearDistance;  // FramePlan::nearDistance, b
+  uint count;          // candidates
+  int lowestTier;      // RenderSettings::lowestTier
+};
+
+struct GatherConstants {  // pushed
+  uvec2 extent;           // of the image as it is drawn
+  uvec2 voteExtent;
+  uvec2 tile;        // of the atlas
+  uint view;         // index into GatherView[]
+  float depthFirst;  // canvas depth = depthFirst + depthSpan · (1 − nearDistance · ρ)
+  float depthSpan;
+};
+
+/// Trust in a hypothesis that `confirmations` other photographs confirm.
+IBR_FUNCTION float gatherTrust(int confirmations) {
+  return confirmations >= 3 ? 1.0f : confirmations == 2 ? 0.7f : confirmations == 1 ? 0.25f : 0.06f;
+}
+
+/// ρ by which two hypotheses may differ and still be the same surface.
+IBR_FUNCTION float gatherTolerance(float step, float inverseDepth) {
+  return kGatherSteps * step + kGatherShare * inverseDepth;
+}
+
+/// How much a hypothesis at `there` supports one at `here`, 0 to 1.
+IBR_FUNCTION float gatherKernel(float here, float there, float step) {
+  const float off = (here - there) / gatherTolerance(step, here);
+  return max(0.0f, 1.0f - off * off);
+}
+
+IBR_SHARED_END
+
+#endif
