@@ -9,7 +9,7 @@ layout(early_fragment_tests) in;  // pixels that are covered cost nothing
 layout(location = 0) out vec4 outColour;
 
 void main() {
-  float depth;
-  outColour = gatheredColour(depth);
-  if (outColour.a == 0.0) discard;
+  const Pixel pixel = gatheredPixel();
+  if (pixel.tier < 0) discard;
+  outColour = canvasColour(pixel);
 }

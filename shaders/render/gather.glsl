@@ -103,6 +103,7 @@ vec4 colourOf(int k, vec2 at, float lod) {
 struct Gathered {
   vec3 colour;
   float variance;  // 8-bit levels², mean over the channels; negative: no photograph sees the surface
+  vec4 shares;     // of the four photographs that weigh most, best first
 };
 
 Gathered gather(vec3 ray, float rho) {
@@ -133,18 +134,20 @@ Gathered gather(vec3 ray, float rho) {
         carried = other;
       }
   }
-  Gathered result = Gathered(vec3(0.0), -1.0);
+  Gathered result = Gathered(vec3(0.0), -1.0, vec4(0.0));
   float sum = 0.0;
   vec3 mean = vec3(0.0), square = vec3(0.0);
   for (int i = 0; i < kColours; ++i) {
     const float w = weight[i] - weight[kColours];
     if (!(w > 0.0)) continue;
     const vec3 colour = colourOf(who[i], at[i], lod[i]).rgb;
+    if (i < 4) result.shares[i] = w;
     sum += w;
     mean += w * colour;
     square += w * colour * colour;
   }
   if (!(sum > 0.0)) return result;
+  result.shares /= sum;
   result.colour = mean / sum;
   const vec3 spread = max(square / sum - result.colour * result.colour, vec3(0.0));
   result.variance = dot(spread, vec3(255.0 * 255.0 / 3.0));
@@ -186,16 +189,21 @@ Surfaces surfacesAt(vec2 pixel) {
   return s;
 }
 
-/// Colour and tier code of a pixel, and the ρ of its nearest surface that hides at least half of what is behind.
-/// Alpha 0: nothing shows.
-vec4 gatheredColour(out float depth) {
+/// A pixel of the image.
+struct Pixel {
+  vec3 colour;
+  int tier;        // −1: nothing shows
+  float rho;       // of the nearest surface that hides at least half of what is behind
+  float variance;  // of the surface that counts most, as its tier and shares
+  vec4 shares;
+};
+
+Pixel gatheredPixel() {
   const Surfaces s = surfacesAt(gl_FragCoord.xy);
   const vec4 toRay = views[c.view].toRay;
   const vec3 ray = vec3(toRay.xy * gl_FragCoord.xy + toRay.zw, -1.0);
+  Pixel pixel = Pixel(vec3(0.0), -1, s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0], 0.0, vec4(0.0));
   float behind = 1.0, sum = 0.0, most = -1.0;
-  vec3 colour = vec3(0.0);
-  int tier = 0;
-  depth = s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0];
   for (int l = 0; l < kLayers; ++l) {
     if (l >= s.count) break;
     const Gathered gathered = gather(ray, s.rho[l]);
@@ -204,12 +212,19 @@ vec4 gatheredColour(out float depth) {
     const float weight = behind * opacity / (1.0 + gathered.variance / (kGatherColourSpread * kGatherColourSpread));
     behind *= 1.0 - opacity;
     sum += weight;
-    colour += weight * gathered.colour;
+    pixel.colour += weight * gathered.colour;
     if (weight > most) {
       most = weight;
-      tier = s.tier[l];
+      pixel.tier = s.tier[l];
+      pixel.variance = gathered.variance;
+      pixel.shares = gathered.shares;
     }
   }
-  if (!(sum > 0.0) || tier > views[c.view].lowestTier) return vec4(0.0);
-  return vec4(colour / sum, (255.0 - 64.0 * float(tier)) / 255.0);
+  if (!(sum > 0.0) || pixel.tier > views[c.view].lowestTier)
+    pixel.tier = -1;
+  else
+    pixel.colour /= sum;
+  return pixel;
 }
+
+vec4 canvasColour(Pixel pixel) { return vec4(pixel.colour, (255.0 - 64.0 * float(pixel.tier)) / 255.0); }

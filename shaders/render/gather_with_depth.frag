@@ -8,8 +8,8 @@
 layout(location = 0) out vec4 outColour;
 
 void main() {
-  float depth;
-  outColour = gatheredColour(depth);
-  if (outColour.a == 0.0) discard;
-  gl_FragDepth = c.depthFirst + c.depthSpan * clamp(1.0 - views[c.view].nearDistance * depth, 0.0, 1.0);
+  const Pixel pixel = gatheredPixel();
+  if (pixel.tier < 0) discard;
+  outColour = canvasColour(pixel);
+  gl_FragDepth = c.depthFirst + c.depthSpan * clamp(1.0 - views[c.view].nearDistance * pixel.rho, 0.0, 1.0);
 }

@@ -44,6 +44,7 @@ IBR_CONSTANT float kGatherFullConsensus = 0.9f;  // from which on a surface hide
 IBR_CONSTANT float kGatherColourSpread = 15.0f;  // 8-bit levels; a surface whose colours differ by this counts half
 IBR_CONSTANT float kGatherSteps = 2.0f;          // of the vote's tolerance: steps …
 IBR_CONSTANT float kGatherShare = 0.01f;         // … and a share of ρ
+IBR_CONSTANT float kGatherKnownShare = 0.05f;    // one standard deviation of a confirmed ρ, of itself
 IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust: a hypothesis below it was completed, not matched
 
 /// A photograph as one view uses it. "Photograph axes": those of its camera.

@@ -34,6 +34,7 @@ EvaluationOptions withHoles(EvaluationOptions options) {
 }
 
 RenderSettings paperSettings(RenderSettings settings) {
+  settings.composition = Composition::cells;
   settings.morph = Morph::paper;
   settings.order = DrawOrder::paper;
   settings.lowestTier = kTierAgrees;
@@ -44,7 +45,10 @@ RenderSettings paperSettings(RenderSettings settings) {
 RendererOptions rendererOptions(const Scene& scene, const EvaluationOptions& options) {
   RendererOptions prepared = optionsFor(options.settings, {});
   if (options.seams || options.guessed || !options.truthDepth.empty()) prepared.buffers = &scene;
-  if (!options.baselines.empty()) prepared.orders = {DrawOrder::ours, DrawOrder::paper};
+  if (!options.baselines.empty()) {
+    prepared.orders = {DrawOrder::ours, DrawOrder::paper};
+    prepared.compositions = {options.settings.composition, Composition::cells};
+  }
   return prepared;
 }
 

@@ -116,11 +116,20 @@ void turnOverlays(OpenItem& place, bool back) {
   place.changed = true;
 }
 
+void turnComposition(OpenItem& place) {
+  if (!place.scene) return;
+  constexpr int kCompositions = 3;
+  place.settings.composition = Composition((int(place.settings.composition) + 1) % kCompositions);
+  place.changed = true;
+}
+
 // Those about the place that is shown.
 void pressInPlace(Viewer& viewer, OpenItem& place, const KeyPress& press) {
   switch (press.key) {
     case GLFW_KEY_O:
       return turnOverlays(place, press.shift);
+    case GLFW_KEY_C:
+      return turnComposition(place);
     case GLFW_KEY_RIGHT_BRACKET:
       return goTo(place, nextCamera(place.poses(), place.walk.pose, 1));
     case GLFW_KEY_LEFT_BRACKET:

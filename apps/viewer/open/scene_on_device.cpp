@@ -23,7 +23,10 @@ bool serves(const RendererOptions& has, const RendererOptions& needs) {
          has.switchMixing >= needs.switchMixing && has.fill >= needs.fill && has.colour >= needs.colour &&
          within(needs.overlays, has.overlays) && has.floor >= needs.floor && has.dissolve >= needs.dissolve &&
          has.largestScale >= needs.largestScale && within(needs.formats, has.formats) &&
-         within(needs.orders, has.orders) && within(needs.blends, has.blends);
+         within(needs.orders, has.orders) && within(needs.blends, has.blends) &&
+         within(needs.compositions, has.compositions) && has.gatherCandidates >= needs.gatherCandidates &&
+         has.gatherColours == needs.gatherColours && has.gatherLayers == needs.gatherLayers &&
+         has.voteScale >= needs.voteScale;
 }
 
 class SceneOnDevice final : public PlaceOnDevice {
@@ -116,6 +119,7 @@ class SceneOnDevice final : public PlaceOnDevice {
   std::vector<MemoryClass> memory() const override {
     const GpuScene::Memory m = gpuScene_.memory();
     return {{"photographs", m.textures, true},
+            {"depths", m.depth, true},
             {"vertices", m.positions, true},
             {"triangles", m.indices, true},
             {"working images", renderer_ ? renderer_->count(plan_).workingBytes : 0, false}};

@@ -46,6 +46,7 @@ Probe::Probe(Device& device, const Scene& scene, const SceneBounds& bounds, cons
     : scene_(scene), bounds_(bounds), device_(device), renderer_(device, gpuScene, optionsFor(scene)) {}
 
 FramePlan Probe::planOf(const Camera& view, RenderSettings settings) const {
+  settings.composition = Composition::cells;
   settings.order = DrawOrder::ours;
   settings.blend = BlendMode::blend;
   settings.colourMapping = ColourMapping::off;

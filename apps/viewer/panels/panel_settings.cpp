@@ -64,6 +64,18 @@ bool chooseOverlay(RenderSettings& s) {
 
 bool sceneSettings(RenderSettings& s) {
   bool changed = false;
+  using Way = std::pair<const char*, Composition>;
+  changed |= choose("composition", s.composition,
+                    std::array{Way{"cells", Composition::cells}, Way{"gathered", Composition::gathered},
+                               Way{"hybrid", Composition::hybrid}},
+                    "cells: morphing cells and backdrops; gathered: every pixel from the photographs that saw it; "
+                    "hybrid: cells where all members agree, the rest gathered (C)");
+  if (s.composition != Composition::cells) {
+    changed |= count("photographs", s.gatherCandidates, 1, int(kMaxGatherCandidates),
+                     "At most so many vote for depth and are gathered from in a frame");
+    changed |= count("colours", s.gatherColours, 1, int(kMaxGatherColours),
+                     "At most so many photographs are mixed in a gathered pixel");
+  }
   using Blend = std::pair<const char*, BlendMode>;
   changed |= choose("blending", s.blend,
                     std::array{Blend{"blend", BlendMode::blend}, Blend{"dither", BlendMode::dither},

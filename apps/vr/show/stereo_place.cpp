@@ -35,6 +35,9 @@ RendererOptions optionsFor(std::span<const RenderSettings> levels, const EyeForm
     addNew(all.orders, one.orders);
     addNew(all.blends, one.blends);
     addNew(all.overlays, one.overlays);
+    addNew(all.compositions, one.compositions);
+    all.gatherCandidates = std::max(all.gatherCandidates, one.gatherCandidates);
+    all.voteScale = std::max(all.voteScale, one.voteScale);
     all.switchMixing |= one.switchMixing;
     all.fill |= one.fill;
     all.floor |= one.floor;

@@ -239,7 +239,12 @@ void Renderer::recordBuffers(VkCommandBuffer commandBuffer, const FramePlan& pla
   assert(s.buffers && view < plan.views.size() && plan.views.size() <= s.options.views);
   assert(targets.extent.width <= s.options.largest.width && targets.extent.height <= s.options.largest.height);
   s.cells->update(commandBuffer, plan);
-  s.buffers->record(commandBuffer, plan, view, targets);
+  const bool gathers = s.gathers(plan);
+  if (gathers) {
+    s.gather->update(commandBuffer, plan, view, targets.extent);
+    s.gather->vote(commandBuffer, plan, view, targets.extent);
+  }
+  s.buffers->record(commandBuffer, plan, view, targets, gathers ? &*s.gather : nullptr);
 }
 
 Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
@@ -268,7 +273,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
     counters.workingBytes += s.hidden->bytes();
   }
   if (s.gather) {
-    counters.pipelines += GatherPass::kPipelineCount;
+    counters.pipelines += s.gather->pipelineCount();
     counters.workingBytes += s.gather->allocatedBytes();
   }
   if (s.overlays) counters.pipelines += s.overlays->pipelineCount();

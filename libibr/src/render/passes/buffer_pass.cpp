@@ -18,7 +18,6 @@ struct Constants {
 };
 
 constexpr std::array kBlends{BlendMode::blend};  // colours are told apart, not blended
-constexpr std::array kFormats{kSurfaceFormat, kWeightsFormat, kConfidenceFormat};
 
 std::array<const BufferTarget*, 3> all(const BufferTargets& targets) {
   return {&targets.surface, &targets.weights, &targets.confidence};
@@ -43,7 +42,7 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
                                                   .layout = layout_.get(),
                                                   .depth = depth,
                                                   .vertices = CellVertices::withUncertainty,
-                                                  .colourFormats = kFormats,
+                                                  .colourFormats = kBufferFormats,
                                                   .depthFormat = Canvas::kDepthFormat}));
       }
   };
@@ -51,8 +50,8 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
   for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(backdrop, requirements.dissolve);
 }
 
-void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,
-                        const BufferTargets& targets) const noexcept {
+void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, const BufferTargets& targets,
+                        const GatherPass* gather) const noexcept {
   constexpr float kUnknown = std::numeric_limits<float>::infinity();
   const float emptyTier = plan.settings.lowestTier >= kTierFilled ? float(kTierFilled) : -1.0f;
   const std::array<VkClearColorValue, 3> empty{
@@ -82,6 +81,9 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
         vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof constants, &constants);
         cells_->drawStep(commands, layout_.get(), step, parameter);
       });
+  if (gather)
+    gather->drawBuffers(commands, plan, view, targets.extent,
+                        stepsOf(cells_->scene(), plan, Order::current, view).count);
   vkCmdEndRendering(commands);
   transition(commands, canvas_->depth(), use::kDepthAttachment, use::kSampled, VK_IMAGE_ASPECT_DEPTH_BIT);
   for (const BufferTarget* target : all(targets))

@@ -6,6 +6,7 @@
 
 #include "gpu/draw/canvas.h"
 #include "render/passes/cell_pass.h"
+#include "render/passes/gather_pass.h"
 #include "render/passes/uncertainties.h"
 
 namespace ibr {
@@ -16,9 +17,10 @@ class BufferPass {
   BufferPass(const Device& device, const CellPass& cells, const Uncertainties& uncertainties, const Canvas& canvas,
              const Requirements& requirements);
 
-  /// Outside a render pass. CellPass::update has been recorded for the plan, and what reads the canvas's depth too.
-  void record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view,
-              const BufferTargets& targets) const noexcept;
+  /// `gather`: draws the rest of the plan; null: it has none. Outside a render pass. CellPass::update has been recorded
+  /// for the plan, and what reads the canvas's depth too.
+  void record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, const BufferTargets& targets,
+              const GatherPass* gather) const noexcept;
 
   std::uint32_t pipelineCount() const noexcept { return std::uint32_t(pipelines_.size()); }
 

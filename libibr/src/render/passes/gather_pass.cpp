@@ -6,12 +6,14 @@
 #include <cmath>
 #include <span>
 
+#include "gpu/draw/canvas.h"
 #include "gpu/draw/descriptors.h"
 #include "gpu/draw/pipeline.h"
 #include "gpu/transfer/barrier.h"
 #include "render/passes/cell_pass.h"
 #include "render/passes/gather_parameters.h"
 #include "shaders/composite_vert.h"
+#include "shaders/gather_buffers_frag.h"
 #include "shaders/gather_frag.h"
 #include "shaders/gather_vote_comp.h"
 #include "shaders/gather_with_depth_frag.h"
@@ -120,6 +122,15 @@ GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass
                .renderPass = canvasPass,
                .depthTest = true,
                .depthWrite = requirements.depth});
+  if (requirements.buffers)
+    buffers_ = makeGraphicsPipeline(device, {.name = "gather: buffers",
+                                             .vertex = shaders::composite_vert,
+                                             .fragment = shaders::gather_buffers_frag,
+                                             .specialisation = all,
+                                             .layout = layout_.get(),
+                                             .colourFormats = kBufferFormats,
+                                             .depthFormat = Canvas::kDepthFormat,
+                                             .depthTest = true});
 }
 
 VkExtent2D GatherPass::voteExtent(const FramePlan& plan, VkExtent2D extent) const noexcept {
@@ -167,13 +178,23 @@ void GatherPass::vote(VkCommandBuffer commands, const FramePlan& plan, std::size
 
 void GatherPass::draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
                       std::uint32_t steps) const noexcept {
+  drawOver(commands, gather_.get(), plan, view, extent, steps);
+}
+
+void GatherPass::drawBuffers(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+                             std::uint32_t steps) const noexcept {
+  drawOver(commands, buffers_.get(), plan, view, extent, steps);
+}
+
+void GatherPass::drawOver(VkCommandBuffer commands, VkPipeline pipeline, const FramePlan& plan, std::size_t view,
+                          VkExtent2D extent, std::uint32_t steps) const noexcept {
   const shader::GatherConstants pushed = constants(plan, view, extent, steps);
   const float depth = pushed.depthFirst + 0.5f * pushed.depthSpan;
   const VkViewport viewport{0, 0, float(extent.width), float(extent.height), depth, depth};
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetViewport(commands, 0, 1, &viewport);
   vkCmdSetScissor(commands, 0, 1, &scissor);
-  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, gather_.get());
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
   const std::array<VkDescriptorSet, 2> sets{viewSet_, scene_->gather->set()};
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetGatherView,
                           std::uint32_t(sets.size()), sets.data(), 0, nullptr);
@@ -188,6 +209,10 @@ VkDeviceSize GatherPass::bytes() const noexcept {
 
 VkDeviceSize GatherPass::allocatedBytes() const noexcept {
   return views_.allocatedBytes() + layers_->allocatedBytes() + surfaces_.allocatedBytes() + holes_->allocatedBytes();
+}
+
+std::uint32_t GatherPass::pipelineCount() const noexcept {
+  return GatherLayers::kPipelineCount + FillPass::kPipelineCount + 2 + (buffers_.get() != VK_NULL_HANDLE);
 }
 
 std::uint32_t GatherPass::dispatchCount(const FramePlan& plan, VkExtent2D extent) noexcept {

@@ -2,6 +2,7 @@
 // Composition::gathered and hybrid: depth by vote, then colours of what the canvas has nothing on (shared/gather.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -14,6 +15,9 @@
 #include "render/passes/gather_layers.h"
 
 namespace ibr {
+
+/// Of BufferTargets.
+inline constexpr std::array kBufferFormats{kSurfaceFormat, kWeightsFormat, kConfidenceFormat};
 
 class GatherPass {
  public:
@@ -30,13 +34,19 @@ class GatherPass {
   void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
             std::uint32_t steps) const noexcept;
 
+  /// The same into a plan's BufferTargets, within their rendering (render/passes/buffer_pass.h).
+  void drawBuffers(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+                   std::uint32_t steps) const noexcept;
+
   VkDeviceSize bytes() const noexcept;  // of texels and parameters
   VkDeviceSize allocatedBytes() const noexcept;
-  static constexpr std::uint32_t kPipelineCount = GatherLayers::kPipelineCount + FillPass::kPipelineCount + 2;
+  std::uint32_t pipelineCount() const noexcept;
   static std::uint32_t dispatchCount(const FramePlan& plan, VkExtent2D extent) noexcept;             // of vote()
   static std::uint64_t triangleCount(const GpuScene::State& scene, const FramePlan& plan) noexcept;  // of vote()
 
  private:
+  void drawOver(VkCommandBuffer commands, VkPipeline pipeline, const FramePlan& plan, std::size_t view,
+                VkExtent2D extent, std::uint32_t steps) const noexcept;
   VkExtent2D voteExtent(const FramePlan& plan, VkExtent2D extent) const noexcept;
   shader::GatherConstants constants(const FramePlan& plan, std::size_t view, VkExtent2D extent,
                                     std::uint32_t steps) const noexcept;
@@ -53,6 +63,7 @@ class GatherPass {
   std::optional<FillPass> holes_;
   PipelineLayoutHandle voteLayout_, layout_;
   PipelineHandle vote_, gather_;
+  PipelineHandle buffers_;  // none without Requirements::buffers
 };
 
 }  // namespace ibr
