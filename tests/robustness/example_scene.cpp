@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "image/depth_texture.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
@@ -86,6 +87,10 @@ Scene withTroubles(Scene scene) {
   empty.mesh.ratio.resize(2);
   scene.cells.push_back(empty);
   scene.backdrops = {backdropOf(scene, 0)};
+  scene.backdrops[0].mesh.confirmations = {0, 1, 2, 255};
+  scene.backdrops[0].mesh.consensus = {0.1f, 0.5f, 0.9f, 1.0f};
+  scene.nodes[0].depthFile = "depth/view0.ktx2";
+  scene.nodes[0].depthScale = 0.25;
   scene.nodes[1].maskFile = "masks/view1.png";
   scene.settings = R"({"dimension":2,"seed":1})";
   scene.origin = GeographicOrigin{49.45, 11.08, 309.5};
@@ -107,6 +112,11 @@ void writeExampleScene(const fs::path& folder) {
     writeImage(folder / scene.nodes[n].imageFile, made.photographs[n]);
     writeKtx2(folder / scene.nodes[n].textureFile, buildMips(made.photographs[n]));
   }
+  const Intrinsics& k = scene.nodes[0].camera.intrinsics;
+  fs::create_directories(folder / "depth");
+  writeKtx2(folder / scene.nodes[0].depthFile, depthTexture(ImageF(k.width / 4, k.height / 4, 1, 0.25f),
+                                                            ImageF(k.width / 4, k.height / 4, 1, 0.5f), k.width)
+                                                   .texture);
   fs::create_directories(folder / "masks");
   writeImage(folder / scene.nodes[1].maskFile, Image8(64, 96, 1, 255));
   saveScene(scene, folder);

@@ -85,13 +85,15 @@ void checkChain(const std::vector<Image8>& levels) {
 }  // namespace
 
 const char* textureFormatName(TextureFormat format) noexcept {
-  constexpr const char* kNames[]{"rgba8", "bc1", "bc7"};
+  constexpr const char* kNames[]{"rgba8", "bc1", "bc7", "rg16f"};
   return kNames[std::size_t(format)];
 }
 
 std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept {
   const auto w = std::uint64_t(width), h = std::uint64_t(height);
-  return format == TextureFormat::rgba8 ? 4 * w * h : (w + 3) / 4 * ((h + 3) / 4) * blockBytes(format);
+  return format == TextureFormat::rgba8 || format == TextureFormat::rg16f
+             ? 4 * w * h
+             : (w + 3) / 4 * ((h + 3) / 4) * blockBytes(format);
 }
 
 Texture::Texture(const std::vector<Image8>& rgba) : Texture(encodeTexture(rgba, TextureFormat::rgba8)) {}
@@ -108,6 +110,7 @@ Texture smallerLevels(const Texture& texture, int firstLevel) {
 }
 
 Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format) {
+  check(format != TextureFormat::rg16f, ErrorCode::invalidInput, "rg16f holds depth, no photograph");
   checkChain(rgba);
   Texture texture;
   texture.format = format;
@@ -126,6 +129,7 @@ Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format) {
 }
 
 std::vector<Image8> decodeTexture(const Texture& texture) {
+  check(texture.format != TextureFormat::rg16f, ErrorCode::unsupported, "rg16f holds depth, no photograph");
   std::vector<Image8> levels;
   for (std::size_t l = 0; l < texture.levels.size(); ++l)
     levels.push_back(decodeLevel(texture.levels[l], texture.format, side(texture.width, l), side(texture.height, l)));

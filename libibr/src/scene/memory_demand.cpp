@@ -28,6 +28,7 @@ MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> for
   for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
     for (const Cell& cell : *cells) {
       demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
+      if (!cell.mesh.confirmations.empty()) demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.pointCount();
       demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
       for (const std::uint32_t member : cell.members) shown[member] = true;
     }
@@ -37,6 +38,16 @@ MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> for
       demand.textures += bytesWithMips(formats[n], k.width, k.height);
     }
   return demand;
+}
+
+std::uint64_t depthTextureBytes(const Scene& scene) {
+  std::uint64_t bytes = 0;
+  for (const Node& node : scene.nodes)
+    if (!node.depthFile.empty()) {
+      const Ktx2Info texture = probeKtx2(scene.folder / node.depthFile);
+      bytes += textureBytes(texture.format, texture.width, texture.height);
+    }
+  return bytes;
 }
 
 std::vector<TextureFormat> textureFormats(const Scene& scene) {

@@ -18,12 +18,16 @@ namespace ibr {
 
 struct MemoryDemand {
   std::uint64_t positions = 0, indices = 0, textures = 0;  // bytes
-  std::uint64_t sum() const { return positions + indices + textures; }
+  std::uint64_t depth = 0;                                 // depthTextureBytes(), which memoryDemand() leaves out
+  std::uint64_t sum() const { return positions + indices + textures + depth; }
 };
 
 /// `formats`: of the nodes' textures on the device. Exact but for what a device adds to align images and buffers, and
 /// for triangles that the renderer leaves out since their members look in opposite directions (T10).
 MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats);
+
+/// Bytes of the nodes' depth textures, of those that have one. Throws as probeKtx2.
+std::uint64_t depthTextureBytes(const Scene& scene);
 
 /// Of the nodes' texture files, one a node; RGBA8 where a node has none. Throws as probeKtx2.
 std::vector<TextureFormat> textureFormats(const Scene& scene);

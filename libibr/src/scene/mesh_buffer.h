@@ -9,6 +9,7 @@
 //   ecc           a float a triangle
 //   indices       3 a triangle, tier 0 first; 16 bits up to 65,535 points, else 32
 //   _PLANES       4 of 16 bits a point, where the mesh has them
+//   _EVIDENCE     2 floats a point, confirmations and consensus, where the mesh has them
 #pragma once
 
 #include <cstddef>
@@ -22,7 +23,7 @@ namespace ibr {
 /// Numbers that fix where everything lies.
 struct MeshLayout {
   std::size_t members = 0, points = 0, tier0 = 0, tier1 = 0;
-  bool hasPlanes = false;
+  bool hasPlanes = false, hasEvidence = false;
 
   struct Array {
     std::size_t offset = 0, bytes = 0;
@@ -45,7 +46,8 @@ struct MeshLayout {
   Array planes() const {
     return {(indices(1).offset + indices(1).bytes + 3) & ~std::size_t(3), hasPlanes ? points * 8 : 0};
   }
-  std::size_t bytes() const { return planes().offset + planes().bytes; }
+  Array evidence() const { return {planes().offset + planes().bytes, hasEvidence ? points * 8 : 0}; }
+  std::size_t bytes() const { return evidence().offset + evidence().bytes; }
 };
 
 MeshLayout layoutOf(const MorphMesh& mesh);

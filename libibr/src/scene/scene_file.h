@@ -21,7 +21,7 @@ namespace ibr {
 
 inline constexpr const char* kSceneFileName = "scene.gltf";
 inline constexpr const char* kSceneExtension = "IBR_image_graph";
-inline constexpr int kSceneVersion = 1;
+inline constexpr int kSceneVersion = 2;
 
 /// Members of a photograph's "capture"; each may be missing.
 inline constexpr std::array kCaptureNumbers{

@@ -26,7 +26,13 @@ class SceneReader {
  public:
   explicit SceneReader(const fs::path& file) : gltf_(file) {}
 
-  JsonValue extension() const { return extensionOf(gltf_, kSceneExtension, kSceneVersion); }
+  JsonValue extension() const {
+    const JsonValue extension = extensionOf(gltf_, kSceneExtension, kSceneVersion);
+    if (const JsonValue version = extension["version"]; version.integer(1, kSceneVersion) < kSceneVersion)
+      version.fault(fmt::format("{} is older than {}: build the scene again with \"ibr build PHOTOGRAPHS -o SCENE\"",
+                                version.integer(1, kSceneVersion), kSceneVersion));
+    return extension;
+  }
 
   void facts(Scene& scene) const {
     const JsonValue extension = this->extension();
@@ -58,6 +64,10 @@ class SceneReader {
       for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kLargestGain, kLargestGain);
     }
     if (entry.has("mask")) node.maskFile = gltf_.reference(entry["mask"]["uri"]);
+    if (entry.has("depth")) {
+      node.depthFile = gltf_.reference(entry["depth"]["uri"]);
+      node.depthScale = positive(entry["depth"]["scale"]);
+    }
     return node;
   }
 
@@ -163,6 +173,15 @@ class SceneReader {
         mesh.planes.push_back(set);
       }
     }
+    if (attributes.has("_EVIDENCE")) {
+      const Accessor evidence = sized(gltf_.accessor(attributes["_EVIDENCE"], "VEC2", {kFloat}));
+      for (const float count : floats(
+               evidence, 0, [](float v) { return v >= 0 && v <= 255 && v == std::floor(v); },
+               "is not a whole number within 0 to 255"))
+        mesh.confirmations.push_back(std::uint8_t(count));
+      mesh.consensus = floats(
+          evidence, 1, [](float v) { return v >= 0 && v <= 1; }, "is not within 0 to 1");
+    }
     const Accessor position = sized(gltf_.accessor(attributes["POSITION"], "VEC3", {kFloat}));
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
     for (std::size_t p = 0; p < points; ++p) {
@@ -225,6 +244,17 @@ Scene readAll(const fs::path& file, FaultSink& sink) {
   return scene;
 }
 
+void checkDepth(const fs::path& file, const std::string& at, FaultSink& sink) {
+  try {
+    const Ktx2Info texture = probeKtx2(file);
+    if (texture.format != TextureFormat::rg16f || texture.levels != 1)
+      sink.add(at, fmt::format("{} is {} with {} levels, not rg16f with one", file.filename().string(),
+                               textureFormatName(texture.format), texture.levels));
+  } catch (const Error& e) {
+    sink.add(at, e.what());
+  }
+}
+
 void checkFiles(const Scene& scene, FaultSink& sink) {
   for (std::size_t n = 0; n < scene.nodes.size() && !sink.full(); ++n) {
     const Node& node = scene.nodes[n];
@@ -234,6 +264,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       sink.add(at + "/image", fmt::format("{} is missing", node.imageFile.string()));
     if (!node.maskFile.empty() && !fs::is_regular_file(scene.folder / node.maskFile, ignored))
       sink.add(at + "/mask", fmt::format("{} is missing", node.maskFile.string()));
+    if (!node.depthFile.empty()) checkDepth(scene.folder / node.depthFile, at + "/depth", sink);
     if (node.textureFile.empty()) {
       sink.add(at, "has no \"texture\", so nothing of it can be rendered");
       continue;
@@ -246,6 +277,8 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
         sink.add(at + "/texture",
                  fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
                              texture.width, texture.height, texture.levels, k.width, k.height, levels));
+      if (texture.format == TextureFormat::rg16f)
+        sink.add(at + "/texture", fmt::format("{} is rg16f, which holds depth", node.textureFile.string()));
       if (!node.maskFile.empty() && texture.format == TextureFormat::bc1)
         sink.add(at + "/texture", fmt::format("{} is BC1, which has no alpha for the mask", node.textureFile.string()));
     } catch (const Error& e) {

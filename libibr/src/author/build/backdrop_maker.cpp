@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "author/backdrop/backdrop.h"
+#include "author/backdrop/complete_depth.h"
 #include "author/backdrop/scene_depth.h"
 #include "author/build/cell_cache.h"
 #include "author/geometry/posed_model.h"
@@ -46,32 +47,46 @@ BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& option
   }
 }
 
-MadeCell BackdropMaker::make(std::uint32_t photograph) const {
+std::vector<glm::dvec3> BackdropMaker::pointsOf(std::uint32_t photograph) const {
+  return cellsWith_[photograph].empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
+}
+
+ImageF BackdropMaker::depthOf(std::uint32_t photograph) const {
+  Camera camera = input_.photographs[photograph].camera;
+  const glm::ivec2 size = backdropSize(camera.intrinsics);
+  camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
+  return cellsWith_[photograph].empty() ? depthOfPoints(camera, pointsOf(photograph))
+                                        : depthInScene(scene_, photograph, size);
+}
+
+BackdropMaker::Made BackdropMaker::make(std::uint32_t photograph, const ImageF& known,
+                                        const DepthEvidence& evidence) const {
   const Stopwatch watch;
   const Photograph& photo = input_.photographs[photograph];
-  const std::vector<std::size_t>& cells = cellsWith_[photograph];
-  const double step = stepOf(cells, sizes_);
-  const std::vector<glm::dvec3> points = cells.empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
-
+  const double step = stepOf(cellsWith_[photograph], sizes_);
   Hash hash;
   hash.add(kVersion);
   hash.add(options_.backdropSpacing);
   hash.add(step);
   addPhotograph(hash, input_, photograph);
-  for (const std::size_t c : cells) hash.add(keys_[c]);
-  addPoints(hash, points);
+  for (const std::size_t c : cellsWith_[photograph]) hash.add(keys_[c]);
+  addPoints(hash, pointsOf(photograph));
   const std::uint64_t key = hash.value();
-  if (auto kept = fetchCell(keptFolder(options_), key)) return {std::move(*kept), watch.seconds(), 0, true, key};
 
-  Camera camera = photo.camera;
-  const glm::ivec2 size = backdropSize(camera.intrinsics);
-  camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
-  // What the cells show of it; where it is in no cell, what its tracks say.
-  const ImageF depth = cells.empty() ? depthOfPoints(camera, points) : depthInScene(scene_, photograph, size);
-  const Image8 colours = shrunk(loadPhotograph(photo), size.x, size.y);
-  MadeCell made{buildBackdrop(photo.camera, depth, colours, {step, options_.backdropSpacing}), 0, 0, false, key};
-  storeCell(keptFolder(options_), key, made.cell);
-  made.seconds = watch.seconds();
+  const ImageF completed = completeDepth(known, shrunk(loadPhotograph(photo), known.width, known.height));
+  Made made;
+  made.backdrop.key = key;
+  if (auto kept = fetchCell(keptFolder(options_), key)) {
+    made.backdrop.cell = std::move(*kept);
+    made.backdrop.resumed = true;
+  } else {
+    made.backdrop.cell = buildBackdrop(photo.camera, known, completed, {step, options_.backdropSpacing});
+    storeCell(keptFolder(options_), key, made.backdrop.cell);
+  }
+  // Evidence hangs on all photographs: it is not kept with the mesh.
+  addEvidence(made.backdrop.cell.mesh, photo.camera, known, evidence);
+  made.depth = depthTexture(completed, consensusOf(known, evidence), photo.camera.intrinsics.width);
+  made.backdrop.seconds = watch.seconds();
   return made;
 }
 

@@ -7,6 +7,7 @@
 
 #include "author/build/build_input.h"
 #include "author/build/cell_maker.h"
+#include "author/depth/photograph_depth.h"
 #include "ibr/scene.h"
 
 namespace ibr {
@@ -19,8 +20,16 @@ class BackdropMaker {
   BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
                 const std::vector<std::uint64_t>& keys);
 
-  /// The photograph is no panorama. May be called from several threads. Throws Error.
-  MadeCell make(std::uint32_t photograph) const;
+  /// Depth of a photograph as the cells show it, of backdropSize; where it is in no cell, as its tracks say. Like
+  /// make(): the photograph is no panorama, any thread may call, throws Error.
+  ImageF depthOf(std::uint32_t photograph) const;
+
+  struct Made {
+    MadeCell backdrop;  // with the evidence in its mesh
+    DepthTexture depth;
+  };
+  /// `known`: depthOf() the photograph; `evidence`: what the others say of it.
+  Made make(std::uint32_t photograph, const ImageF& known, const DepthEvidence& evidence) const;
 
   /// The memory that making one takes at most.
   double bytes() const;
@@ -29,6 +38,8 @@ class BackdropMaker {
   const BuildInput& input_;
   const BuildOptions& options_;
   const Scene& scene_;
+  std::vector<glm::dvec3> pointsOf(std::uint32_t photograph) const;  // where it is in no cell
+
   const std::vector<std::uint64_t>& keys_;
   std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
   std::vector<double> sizes_;                        // of each cell: its longest edge

@@ -30,7 +30,9 @@ constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
 constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
 constexpr double kSeenInCells = 700;               // observations of dense tracks, for each photograph
-constexpr double kProgram = 60e6;                  // of memory, whatever the work
+constexpr double kDepthTexelBytes = 1;     // of a depth texture, for each pixel of a backdrop's depth: 4 a block
+constexpr double kDepthBytesPerPixel = 6;  // of memory: a depth map and its evidence
+constexpr double kProgram = 60e6;          // of memory, whatever the work
 
 double pixelsOf(const Intrinsics& k) {
   return double(k.width) * k.height;
@@ -106,6 +108,8 @@ class Predictor {
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
+      made_.disk += kDepthTexelBytes * double(size.x) * size.y;
+      depths_ += kDepthBytesPerPixel * double(size.x) * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
@@ -187,7 +191,7 @@ class Predictor {
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
-    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
+    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_ + depths_, work_.backdrops);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);
@@ -205,7 +209,8 @@ class Predictor {
   BuildWork work_;
   // Bytes of one job, at most.
   double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
-  double kept_ = 0;  // bytes of all meshes
+  double kept_ = 0;    // bytes of all meshes
+  double depths_ = 0;  // of all depth maps and their evidence
   BuildPrediction made_;
 };
 

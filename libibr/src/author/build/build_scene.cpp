@@ -14,6 +14,7 @@
 #include "author/build/find_movers.h"
 #include "author/build/own_tracks.h"
 #include "author/build/pose_rounds.h"
+#include "author/depth/photograph_depth.h"
 #include "author/exposure/exposure.h"
 #include "author/exposure/vignetting.h"
 #include "author/geometry/posed_model.h"
@@ -31,6 +32,7 @@
 #include "base/stopwatch.h"
 #include "base/usage.h"
 #include "ibr/author.h"
+#include "image/ktx2.h"
 #include "io/image_file.h"
 
 namespace ibr {
@@ -38,7 +40,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kLeastCoverage = 0.05;
-constexpr double kHardlyUsed = 0.9;  // share of a photograph that a mask ignores by mistake
+constexpr const char* kDepthFolder = "depth";  // of the scene
+constexpr std::size_t kDepthSources = 10;      // photographs that are asked about one's depth
+constexpr double kHardlyUsed = 0.9;            // share of a photograph that a mask ignores by mistake
 
 class Builder {
  public:
@@ -351,17 +355,43 @@ class Builder {
     for (std::uint32_t i = 0; i < input_.photographs.size(); ++i)
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_, keys_);
-    std::vector<MadeCell> made(pinholes.size());
-    jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
-                 [&](std::size_t b) { made[b] = maker.make(pinholes[b]); });
+    std::vector<ImageF> known(pinholes.size());
+    jobs_.runAll("reading depth", pinholes.size(), maker.bytes(),
+                 [&](std::size_t b) { known[b] = maker.depthOf(pinholes[b]); });
+    const std::vector<ConsistentDepth> depths = comparable(pinholes, std::move(known));
+    jobs_.step("comparing depth", 0, 1);
+    const std::vector<DepthEvidence> evidence = depthEvidence(depths, kDepthSources, jobs_.threads());
+    std::vector<BackdropMaker::Made> made(pinholes.size());
+    makeFolders(options_.output / kDepthFolder);
+    jobs_.runAll("completing backdrops", made.size(), maker.bytes(), [&](std::size_t b) {
+      made[b] = maker.make(pinholes[b], depths[b].map.inverseDepth, evidence[b]);
+      storeDepth(pinholes[b], made[b].depth);
+    });
     for (std::size_t b = 0; b < made.size(); ++b) {
-      Cell backdrop{{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality};
+      MadeCell& one = made[b].backdrop;
+      Cell backdrop{{pinholes[b]}, std::move(one.cell.mesh), one.cell.quality};
       cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
       const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
-                                   backdrop.quality.coverage, made[b].seconds, made[b].resumed});
+                                   backdrop.quality.coverage, one.seconds, one.resumed});
       scene_.backdrops.push_back(std::move(backdrop));
     }
+  }
+
+  std::vector<ConsistentDepth> comparable(const std::vector<std::uint32_t>& pinholes, std::vector<ImageF> known) const {
+    std::vector<Camera> cameras;
+    for (const std::uint32_t i : pinholes) cameras.push_back(input_.photographs[i].camera);
+    return consistentDepths(cameras, std::move(known), medianResidual(scene_));
+  }
+
+  void storeDepth(std::uint32_t photograph, DepthTexture& depth) {
+    Node& node = scene_.nodes[photograph];
+    node.depthFile = fs::path(kDepthFolder) / (node.name + ".ktx2");
+    node.depthScale = depth.scale;
+    const fs::path file = options_.output / node.depthFile;
+    makeFolders(file.parent_path());  // names may have folders
+    writeKtx2(file, depth.texture);
+    depth.texture = {};
   }
 
   void finish() {

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "author/eval/lumigraph.h"
+#include "author/depth/depth_map.h"
 #include "ibr/image.h"
 
 namespace ibr {
