@@ -50,7 +50,7 @@ std::optional<Memory> measuredMemory(const Scene& scene, std::uint64_t predicted
       // As they are stored, which is what was predicted.
       const GpuScene gpuScene(device, scene, {.blocks = BlockTextures::keep, .log = context.log()});
       const GpuScene::Memory memory = gpuScene.memory();
-      return Memory{memory.positions, memory.indices, memory.textures};
+      return Memory{memory.positions, memory.indices, memory.textures, memory.depth};
     }
     context.say(LogLevel::info, "memory was not measured: {} needs {}, {} has {}", scene.folder.string(),
                 bytesText(double(predicted)), device.name(), bytesText(double(largestHeap)));
@@ -74,7 +74,8 @@ struct Summary {
   std::array<std::size_t, 5> cellsByMembers{};
   std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
   std::size_t backdropPoints = 0, backdropTriangles = 0;
-  double backdropKnown = 0;  // mean share of their depths that was matched
+  std::size_t backdropVertices = 0, confirmed = 0;  // of backdrops with evidence; those that other photographs confirm
+  double backdropKnown = 0;                         // mean share of their depths that was matched
   std::map<std::pair<int, int>, std::size_t> sizes;
 };
 
@@ -90,6 +91,9 @@ Summary summarise(const Scene& scene) {
   for (const Cell& backdrop : scene.backdrops) {
     summary.backdropPoints += backdrop.mesh.pointCount();
     summary.backdropTriangles += backdrop.mesh.triangles.size();
+    summary.backdropVertices += backdrop.mesh.confirmations.size();
+    summary.confirmed +=
+        std::size_t(std::ranges::count_if(backdrop.mesh.confirmations, [](std::uint8_t count) { return count > 0; }));
     summary.backdropKnown += backdrop.quality.coverage / double(scene.backdrops.size());
   }
   for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
@@ -172,7 +176,8 @@ ExitCode showScene(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
   const std::vector<TextureFormat> formats = formatsOf(scene, context);
-  const Memory predicted = memoryDemand(scene, formats);
+  Memory predicted = memoryDemand(scene, formats);
+  predicted.depth = depthTextureBytes(scene);
   const std::optional<Memory> measured = measuredMemory(scene, predicted.sum(), context);
 
   Json report{{"scene", options.scene},
@@ -226,20 +231,29 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (!scene.backdrops.empty())
     context.print(": {} points, {} triangles, {}; {:.0f} % of their depth was matched", summary.backdropPoints,
                   summary.backdropTriangles, bytesText(double(backdropBytes)), 100 * summary.backdropKnown);
+  if (summary.backdropVertices > 0)
+    context.print("; others confirm {:.0f} % of their vertices",
+                  100.0 * double(summary.confirmed) / double(summary.backdropVertices));
   context.print("\n");
-  report["backdrops"] = {{"count", scene.backdrops.size()},
-                         {"points", summary.backdropPoints},
-                         {"triangles", summary.backdropTriangles},
-                         {"bytes", backdropBytes},
-                         {"known", summary.backdropKnown}};
+  report["backdrops"] = {
+      {"count", scene.backdrops.size()},
+      {"points", summary.backdropPoints},
+      {"triangles", summary.backdropTriangles},
+      {"bytes", backdropBytes},
+      {"known", summary.backdropKnown},
+      {"confirmed",
+       summary.backdropVertices > 0 ? Json(double(summary.confirmed) / double(summary.backdropVertices)) : Json()}};
 
   const auto memoryJson = [](const Memory& memory) {
-    return Json{{"positions", memory.positions}, {"indices", memory.indices}, {"textures", memory.textures}};
+    return Json{{"positions", memory.positions},
+                {"indices", memory.indices},
+                {"textures", memory.textures},
+                {"depth", memory.depth}};
   };
   const auto memoryLine = [&](const char* label, const Memory& memory) {
-    context.print("{}{}: {} photographs, {} vertices, {} indices\n", label, bytesText(double(memory.sum())),
-                  bytesText(double(memory.textures)), bytesText(double(memory.positions)),
-                  bytesText(double(memory.indices)));
+    context.print("{}{}: {} photographs, {} depths, {} vertices, {} indices\n", label, bytesText(double(memory.sum())),
+                  bytesText(double(memory.textures)), bytesText(double(memory.depth)),
+                  bytesText(double(memory.positions)), bytesText(double(memory.indices)));
   };
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);
