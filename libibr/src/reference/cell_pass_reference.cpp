@@ -134,14 +134,8 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
 Texel exposed(const Step& step, std::size_t member, Texel texel) {
   if (step.plan.settings.exposure == Exposure::off) return texel;
   const glm::dvec3 gain = step.plan.exposure * step.scene.nodes[step.cell.members[member]].gain;
-  const double brightest = largest(texel.colour) + texel.range / 255;               // that may have been filtered in
-  const double share = std::clamp((largest(texel.colour) - 0.9) / 0.09, 0.0, 1.0);  // that is clipped
-  for (int c = 0; c < 3; ++c) {
-    const double slope = std::pow(gain[c], 1 / 2.4), before = texel.colour[c];
-    const double curved = slope * (before + 0.055) - 0.055, straight = gain[c] * before;
-    const double after = gain[c] < 1 ? std::max(curved, straight) : std::min(curved, straight);
-    texel.colour[c] = after < before ? after + share * (before - after) : after;
-  }
+  const double brightest = largest(texel.colour) + texel.range / 255;  // that may have been filtered in
+  texel.colour = exposedColour(texel.colour, gain);
   // The slope of what is above: at the clipped end a level makes much of a difference.
   const double most = std::max(1.0, largest(gain)) + (brightest > 0.9 ? 1 / 0.09 : 0.0);
   texel.range = most * texel.range + 128 * (most - 1);  // devices filter to about a level, which the gain multiplies

@@ -4,78 +4,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/check.h"
 #include "base/median.h"
 #include "base/parallel.h"
-#include "ibr/scene.h"
-#include "image/bilinear.h"
-#include "image/raster.h"
-#include "scene/reprojection.h"
+#include "reference/composer_gather.h"
+#include "reference/composer_photograph.h"
+#include "reference/composer_vote.h"
+#include "shared/cell.h"
 
 namespace ibr::reference {
 namespace {
 
 // Fixed: depth maps are compared by them.
-constexpr double kAngleFloor = 0.03;              // radians, added to every angle
-constexpr double kBorderShare = 0.04;             // of the width, along which a photograph comes and goes
-constexpr double kDistanceCost = 0.001;           // radians a spacing
-constexpr double kLargestResolution = 1.5;        // of the view's: a finer photograph is no better
-constexpr double kVisibilityFloor = 0.002;        // a hidden photograph is better than none
-constexpr double kBehindVisibility = 0.25;        // where the photograph's own surface stands behind the point
-constexpr double kOwnPlace = 0.01;                // radians of cost within which hiding and borders stop to count
-constexpr double kSupportShare = 0.05;            // of the largest support of a pixel: less is no layer
-constexpr double kFullConsensus = 0.9;            // consensus from which on a layer hides all behind it
-constexpr double kColourSpread = 15;              // 8-bit levels; a layer whose colours differ by this counts half
-constexpr double kStepTolerance = 2;              // t: steps …
-constexpr double kShareTolerance = 0.01;          // … and a share of ρ
-constexpr double kLargestJump = 2;                // steps between neighbours of a depth map that one surface joins
-constexpr double kNearestRay = 0.05;              // cosine-like limit: geometry beside the view is not drawn
+constexpr double kColourSpread = 15;              // 8-bit levels; a surface whose colours differ by this counts half
+constexpr double kOpaque = 0.5;                   // opacity from which on a surface is what a depth buffer holds
+constexpr double kStepPx = 2;                     // of the photograph: 1 px at half its size
+constexpr double kAngleFloor = 0.03;              // radians: as the gather's
 constexpr std::array kCandidateDepths{1.6, 0.4};  // of the median ρ
 constexpr int kCandidateColumns = 16, kCandidateRows = 9;
 constexpr double kFadeShare = 0.25;  // a candidate whose gain exceeds that of rank K + 1 by this share counts in full
-constexpr std::size_t kLayers = 2;
-
-double trustOf(int confirmations) {
-  constexpr std::array kTrust{0.06, 0.25, 0.7, 1.0};
-  return kTrust[std::size_t(std::clamp(confirmations, 0, 3))];
-}
-
-double smoothstep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
-
-double toleranceOf(double step, double inverseDepth) {
-  return kStepTolerance * step + kShareTolerance * inverseDepth;
-}
-
-double borderWeight(const Intrinsics& k, glm::dvec2 pixel) {
-  const double inside = std::min(std::min(pixel.x, k.width - pixel.x), std::min(pixel.y, k.height - pixel.y));
-  return std::clamp(inside / (kBorderShare * k.width), 0.0, 1.0);
-}
-
-double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
-Camera scaledTo(Camera camera, int width, int height) {
-  camera.intrinsics = resized(camera.intrinsics, width, height);
-  return camera;
-}
-
-float bilinear(const ImageF& map, double x, double y) {
-  const double u = std::clamp(x - 0.5, 0.0, map.width - 1.0), v = std::clamp(y - 0.5, 0.0, map.height - 1.0);
-  const int left = int(u), top = int(v), right = std::min(left + 1, map.width - 1),
-            below = std::min(top + 1, map.height - 1);
-  const double s = u - left, t = v - top;
-  return float((1 - t) * ((1 - s) * double(map.pixel(left, top)[0]) + s * double(map.pixel(right, top)[0])) +
-               t * ((1 - s) * double(map.pixel(left, below)[0]) + s * double(map.pixel(right, below)[0])));
-}
 
 // The largest ρ in each block that a quarter of the photograph's resolution has as one pixel.
 ImageF blockMaxima(const ImageF& map, int photographWidth) {
@@ -89,197 +41,158 @@ ImageF blockMaxima(const ImageF& map, int photographWidth) {
   return result;
 }
 
-// What one candidate says of a pixel of the view.
-struct Hypothesis {
-  float inverseDepth = -1;  // −1: nothing
-  float trust = 0, consensus = 0;
-  bool completed = false;
+// A view to compose.
+struct Job {
+  Camera view;
+  std::vector<Candidate> candidates;
+  std::function<HypothesisMesh(std::size_t)> mesh;  // of a candidate; thread-safe
+  double step = 0;                                  // of the vote's tolerance
+  double voteScale = 1;
+  std::size_t colours = 4, layers = kMaxGatherLayers;
+  double detail = 1;  // of the photographs' textures
+  int lowestTier = kTierFilled;
+  int threads = 1;
 };
-using Layer = std::vector<Hypothesis>;
 
-// A depth map as a grid of triangles, as the view sees it; the nearest surface wins.
-Layer drawn(const Camera& view, const ComposerPhotograph& photograph) {
-  const PhotographDepth& depth = photograph.depth;
-  const ImageF& map = depth.inverseDepth;
-  const Reprojection towards(scaledTo(photograph.camera, map.width, map.height), view);
-  struct Vertex {
-    glm::dvec2 pixel{0};
-    double inverseDepth = -1;  // in the view; −1: not before it
-  };
-  std::vector<Vertex> vertices(map.values.size());
-  for (int y = 0; y < map.height; ++y)
-    for (int x = 0; x < map.width; ++x) {
-      const double w = double(map.pixel(x, y)[0]);
-      const glm::dvec3 direction = towards.ray({x + 0.5, y + 0.5}) + w * towards.shift();
-      if (direction.z < -kNearestRay)
-        vertices[std::size_t(y) * std::size_t(map.width) + std::size_t(x)] = {towards.pixel(direction),
-                                                                              w / -direction.z};
-    }
-  const int width = view.intrinsics.width, height = view.intrinsics.height;
-  Layer layer(std::size_t(width) * std::size_t(height));
-  const auto draw = [&](std::array<std::size_t, 3> corner) {
-    std::array<double, 3> rho, trust, consensus;
-    double low = std::numeric_limits<double>::infinity(), high = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      rho[k] = vertices[corner[k]].inverseDepth;
-      if (rho[k] < 0) return;
-      const double own = double(map.values[corner[k]]);
-      low = std::min(low, own);
-      high = std::max(high, own);
-      trust[k] = trustOf(depth.confirmations.values[corner[k]]);
-      consensus[k] = double(depth.consensus.values[corner[k]]);
-    }
-    if (high - low > kLargestJump * depth.step) return;
-    forPixelsIn(
-        vertices[corner[0]].pixel, vertices[corner[1]].pixel, vertices[corner[2]].pixel, width, height,
-        [&](int x, int y, const glm::dvec3& weight) {
-          const auto mean = [&](const std::array<double, 3>& of) {
-            return float(weight.x * of[0] + weight.y * of[1] + weight.z * of[2]);
-          };
-          Hypothesis& here = layer[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-          const float inverseDepth = mean(rho);
-          if (inverseDepth <= here.inverseDepth) return;
-          const std::size_t nearest = weight.x >= weight.y && weight.x >= weight.z ? 0 : weight.y >= weight.z ? 1 : 2;
-          here = {inverseDepth, mean(trust), mean(consensus), depth.confirmations.values[corner[nearest]] == 0};
-        });
-  };
-  for (int y = 0; y + 1 < map.height; ++y)
-    for (int x = 0; x + 1 < map.width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(map.width) + std::size_t(x),
-                        below = at + std::size_t(map.width);
-      draw({at, at + 1, below});
-      draw({at + 1, below + 1, below});
-    }
-  return layer;
+// Calls row(y) for all rows of an image.
+void forRows(int height, int threads, const std::function<void(int)>& row) {
+  constexpr int kRows = 8;  // of a job
+  runJobs(
+      std::size_t((height + kRows - 1) / kRows), threads,
+      [&](std::size_t band) {
+        for (int y = int(band) * kRows; y < std::min(height, (int(band) + 1) * kRows); ++y) row(y);
+      },
+      [](std::size_t) { return true; });
 }
 
-// A surface of the view that colours are gathered for.
-struct Surface {
-  double inverseDepth = 0;
-  double opacity = 0;  // 0 to 1, of what lies behind
-  bool completed = false;
-};
-struct Surfaces {
-  std::array<Surface, kLayers> layer;
-  std::size_t count = 0;
-};
-
-// The pixel's layers, nearest first. `hypotheses`: those that there are, with `weight` u each; sorted here.
-struct Vote {
-  double inverseDepth, weight, consensus;
-  bool completed;
-};
-Surfaces vote(std::vector<Vote>& votes, double step) {
-  Surfaces result;
-  if (votes.empty()) return result;
-  std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) { return a.inverseDepth > b.inverseDepth; });
-  const std::size_t n = votes.size();
-  const auto tolerance = [&](std::size_t i) { return toleranceOf(step, votes[i].inverseDepth); };
-  const auto kernel = [&](std::size_t i, std::size_t j) {
-    const double off = (votes[i].inverseDepth - votes[j].inverseDepth) / tolerance(i);
-    return std::max(0.0, 1 - off * off);
-  };
-  std::vector<double> support(n, 0.0);
-  double most = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) support[i] += votes[j].weight * kernel(i, j);
-    most = std::max(most, support[i]);
-  }
-  const auto isPeak = [&](std::size_t i) {
-    if (support[i] <= kSupportShare * most) return false;
-    for (std::size_t j = 0; j < n; ++j)
-      if (kernel(i, j) > 0 && (support[j] > support[i] || (support[j] == support[i] && j < i))) return false;
-    return true;
-  };
-  for (std::size_t i = 0; i < n && result.count < kLayers; ++i) {
-    if (!isPeak(i)) continue;
-    double sum = 0, depth = 0, consensus = 0, completed = 0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double weight = votes[j].weight * kernel(i, j);
-      sum += weight;
-      depth += weight * votes[j].inverseDepth;
-      consensus += weight * votes[j].consensus;
-      completed += votes[j].completed ? weight : 0.0;
+std::vector<Surfaces> surfacesOf(const Job& job, const Camera& vote) {
+  const int width = vote.intrinsics.width, height = vote.intrinsics.height;
+  std::vector<std::vector<Hypothesis>> layers(job.candidates.size());
+  runJobs(
+      layers.size(), job.threads, [&](std::size_t k) { layers[k] = drawLayer(vote, job.candidates[k], job.mesh(k)); },
+      [](std::size_t) { return true; });
+  std::vector<Surfaces> surfaces(std::size_t(width) * std::size_t(height));
+  forRows(height, job.threads, [&](int y) {
+    std::vector<Vote> votes;
+    for (int x = 0; x < width; ++x) {
+      const std::size_t at = std::size_t(y) * std::size_t(width) + std::size_t(x);
+      votes.clear();
+      for (std::size_t k = 0; k < layers.size(); ++k) {
+        const Hypothesis& here = layers[k][at];
+        const double weight = voteWeight(job.candidates[k].weight, here.trust, job.candidates[k].distance);
+        if (weight > 0) votes.push_back({here.inverseDepth, weight, here.trust, here.consensus});
+      }
+      surfaces[at] = reference::vote(votes, job.step, job.layers);
     }
-    result.layer[result.count++] = {depth / sum, std::clamp(consensus / sum / kFullConsensus, 0.0, 1.0),
-                                    completed > 0.5 * sum};
+  });
+  fillHoles(surfaces, width, height);
+  return surfaces;
+}
+
+double opaqueDepth(const Surfaces& surfaces) {
+  for (std::size_t l = 0; l + 1 < surfaces.count; ++l)
+    if (surfaces.surface[l].opacity >= kOpaque) return surfaces.surface[l].inverseDepth;
+  return surfaces.surface[surfaces.count - 1].inverseDepth;
+}
+
+void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces, int x, int y, Composed& result) {
+  result.supportMargin.pixel(x, y)[0] = float(surfaces.margin);
+  double behind = 1, sum = 0, most = -1;
+  glm::dvec3 colour(0);
+  const Surface* shown = nullptr;
+  for (std::size_t l = 0; l < surfaces.count; ++l) {
+    const Surface& surface = surfaces.surface[l];
+    const Gathered gathered = gather.at({x + 0.5, y + 0.5}, surface.inverseDepth);
+    if (!gathered.known) continue;
+    const double opacity = l + 1 == surfaces.count ? 1.0 : surface.opacity;
+    const double weight = behind * opacity / (1 + gathered.variance / (kColourSpread * kColourSpread));
+    behind *= 1 - opacity;
+    sum += weight;
+    colour += weight * gathered.colour;
+    if (weight > most) {
+      most = weight;
+      shown = &surface;
+    }
   }
+  if (!(sum > 0)) return;
+  const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierBackdrop : kTierAgrees;
+  if (tier > job.lowestTier) return;
+  result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
+  result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueDepth(surfaces));
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double level = std::clamp(255 * colour[int(c)] / sum, 0.0, 255.0);
+    result.colour.pixel(x, y)[c] = float(level);
+    result.picture.pixel(x, y)[c] = std::uint8_t(std::lround(level));
+  }
+  result.picture.pixel(x, y)[3] = std::uint8_t(255 - 64 * tier);
+}
+
+Composed composed(const Job& job) {
+  const int width = job.view.intrinsics.width, height = job.view.intrinsics.height;
+  const auto scaled = [&](int side) { return std::max(1, int(std::lround(job.voteScale * side))); };
+  Camera vote = job.view;
+  vote.intrinsics = resized(vote.intrinsics, scaled(width), scaled(height));
+  const int voteWidth = vote.intrinsics.width, voteHeight = vote.intrinsics.height;
+  const std::vector<Surfaces> surfaces = surfacesOf(job, vote);
+  const Gather gather(job.view, job.candidates, job.colours, job.detail);
+  const auto one = [&](int channels) { return ImageF(width, height, channels, 0.0f); };
+  Composed result{Image8(width, height, 4, 0), one(3), one(1), one(1), one(1)};
+  forRows(height, job.threads, [&](int y) {
+    const int row = std::min(int((y + 0.5) * voteHeight / height), voteHeight - 1);
+    for (int x = 0; x < width; ++x) {
+      const int column = std::min(int((x + 0.5) * voteWidth / width), voteWidth - 1);
+      composePixel(job, gather, surfaces[std::size_t(row) * std::size_t(voteWidth) + std::size_t(column)], x, y,
+                   result);
+    }
+  });
   return result;
 }
 
-// Values where `known`, elsewhere those of ever coarser means: pull, then push.
-void fillHoles(ImageF& map, const std::vector<bool>& known) {
-  struct Level {
-    int width, height;
-    std::vector<double> value, weight;
-  };
-  std::vector<Level> levels{{map.width, map.height, {}, {}}};
-  for (std::size_t at = 0; at < map.values.size(); ++at) {
-    levels[0].value.push_back(known[at] ? double(map.values[at]) : 0.0);
-    levels[0].weight.push_back(known[at] ? 1.0 : 0.0);
-  }
-  while (levels.back().width > 1 || levels.back().height > 1) {
-    const Level& fine = levels.back();
-    Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}, {}};
-    coarse.value.assign(std::size_t(coarse.width) * std::size_t(coarse.height), 0.0);
-    coarse.weight = coarse.value;
-    for (int y = 0; y < fine.height; ++y)
-      for (int x = 0; x < fine.width; ++x) {
-        const std::size_t from = std::size_t(y) * std::size_t(fine.width) + std::size_t(x),
-                          to = std::size_t(y / 2) * std::size_t(coarse.width) + std::size_t(x / 2);
-        coarse.value[to] += fine.weight[from] * fine.value[from];
-        coarse.weight[to] += fine.weight[from];
-      }
-    for (std::size_t at = 0; at < coarse.value.size(); ++at)
-      if (coarse.weight[at] > 0)
-        coarse.value[at] /= coarse.weight[at], coarse.weight[at] = std::min(coarse.weight[at], 1.0);
-    levels.push_back(std::move(coarse));
-  }
-  for (std::size_t l = levels.size() - 1; l-- > 0;) {
-    Level& fine = levels[l];
-    const Level& coarse = levels[l + 1];
-    for (int y = 0; y < fine.height; ++y)
-      for (int x = 0; x < fine.width; ++x) {
-        const std::size_t at = std::size_t(y) * std::size_t(fine.width) + std::size_t(x);
-        if (fine.weight[at] >= 1) continue;
-        const double u = std::clamp((x + 0.5) / 2 - 0.5, 0.0, coarse.width - 1.0),
-                     v = std::clamp((y + 0.5) / 2 - 0.5, 0.0, coarse.height - 1.0);
-        const int left = int(u), top = int(v), right = std::min(left + 1, coarse.width - 1),
-                  below = std::min(top + 1, coarse.height - 1);
-        const auto value = [&](int i, int j) {
-          return coarse.value[std::size_t(j) * std::size_t(coarse.width) + std::size_t(i)];
-        };
-        const double s = u - left, t = v - top,
-                     around = (1 - t) * ((1 - s) * value(left, top) + s * value(right, top)) +
-                              t * ((1 - s) * value(left, below) + s * value(right, below));
-        fine.value[at] = fine.weight[at] * fine.value[at] + (1 - fine.weight[at]) * around;
-      }
-  }
-  for (std::size_t at = 0; at < map.values.size(); ++at)
-    if (!known[at]) map.values[at] = float(levels[0].value[at]);
+// The mean of the two in the middle. Precondition: there is a value.
+double middle(std::vector<double> values) {
+  std::ranges::sort(values);
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
-// A candidate as a view uses it.
-struct Used {
-  std::size_t photograph;
-  double weight;    // as a whole
-  double distance;  // of the two centres, world units
-  Reprojection towards;
-  double residual;  // ρ that moves a point by the photograph's reprojection residual over the spacing
-};
+// A planned photograph, checked.
+Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPhotograph& planned,
+                      const GatherTextures& textures) {
+  check(planned.node < scene.nodes.size() && planned.backdrop < scene.backdrops.size(), ErrorCode::invalidInput,
+        "planned photograph of node {}, backdrop {}: not in the scene", planned.node, planned.backdrop);
+  const Node& node = scene.nodes[planned.node];
+  const Cell& backdrop = scene.backdrops[planned.backdrop];
+  const std::size_t points = backdrop.mesh.pointCount();
+  check(backdrop.members == std::vector{planned.node} && backdrop.mesh.confirmations.size() == points &&
+            backdrop.mesh.consensus.size() == points,
+        ErrorCode::invalidInput, "planned photograph of node {}: backdrop {} is another's, or its mesh has no evidence",
+        planned.node, planned.backdrop);
+  Candidate candidate;
+  candidate.camera = node.camera;
+  candidate.weight = planned.weight;
+  candidate.distance = planned.distance / plan.gather.spacing;
+  const double px = focalPx(node.camera.intrinsics) * plan.gather.spacing;  // that ρ = 1 moves a point by
+  candidate.step = kStepPx / px;
+  candidate.residual = plan.gather.residualPx / px;
+  candidate.levels = &textures.photograph(planned.node);
+  check(!candidate.levels->empty() && candidate.levels->front().channels == 4, ErrorCode::invalidInput,
+        "node {}: its texture is empty or not RGBA", planned.node);
+  candidate.masked = !node.maskFile.empty();
+  candidate.depth = &textures.depth(planned.node);
+  check(!candidate.depth->empty() && node.depthScale > 0, ErrorCode::invalidInput,
+        "node {}: its depth texture is empty, or of scale {}", planned.node, node.depthScale);
+  candidate.depthScale = node.depthScale;
+  if (plan.settings.exposure != Exposure::off) candidate.gain = plan.exposure * node.gain;
+  return candidate;
+}
 
-// A colour that a layer may take.
-struct Offer {
-  double weight = 0;
-  std::size_t candidate = 0;
-  glm::dvec2 pixel{0};
-};
-
-struct Colour {
-  glm::dvec3 mean{0};   // 8-bit levels
-  double variance = 0;  // levels², mean over channels
-  bool known = false;
-};
+// A mip chain of one level, in RGBA.
+std::vector<Image8> finestLevel(const Image8& picture) {
+  if (picture.channels == 4) return {picture};
+  Image8 result(picture.width, picture.height, 4, 255);
+  for (std::size_t p = 0; p < result.values.size() / 4; ++p)
+    std::copy_n(&picture.values[3 * p], 3, &result.values[4 * p]);
+  return {std::move(result)};
+}
 
 }  // namespace
 
@@ -295,6 +208,39 @@ double captureSpacing(const std::vector<Camera>& cameras) {
     if (std::isfinite(best)) nearest.push_back(best);
   }
   return nearest.empty() ? 1.0 : median(std::move(nearest));
+}
+
+Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
+                         int threads) {
+  const RenderSettings& settings = plan.settings;
+  check(view < plan.views.size(), ErrorCode::invalidInput, "the plan has {} views, not view {}", plan.views.size(),
+        view);
+  check(settings.renderScale == 1, ErrorCode::invalidInput, "renderScale {}: only 1 is composed", settings.renderScale);
+  check(plan.gather.spacing > 0 && std::isfinite(plan.gather.spacing), ErrorCode::invalidInput,
+        "spacing {} of the capture is not positive", plan.gather.spacing);
+  check(settings.gatherColours >= 1 && settings.gatherColours <= kMaxGatherColours && settings.gatherLayers >= 1 &&
+            settings.gatherLayers <= kMaxGatherLayers,
+        ErrorCode::invalidInput, "gatherColours {} or gatherLayers {} is out of range", settings.gatherColours,
+        settings.gatherLayers);
+  Job job;
+  job.view = plan.views[view];
+  std::vector<double> steps;
+  for (const PlannedPhotograph& planned : plan.photographs) {
+    job.candidates.push_back(candidateOf(scene, plan, planned, textures));
+    steps.push_back(job.candidates.back().step);
+  }
+  if (!steps.empty()) job.step = middle(std::move(steps));
+  job.mesh = [&](std::size_t k) {
+    const PlannedPhotograph& planned = plan.photographs[k];
+    return hypothesisMesh(scene.nodes[planned.node].camera.intrinsics, scene.backdrops[planned.backdrop].mesh);
+  };
+  job.voteScale = settings.voteScale;
+  job.colours = settings.gatherColours;
+  job.layers = settings.gatherLayers;
+  job.detail = double(shader::kFinerDetail) / settings.textureScale;
+  job.lowestTier = settings.lowestTier;
+  job.threads = threads;
+  return composed(job);
 }
 
 Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options)
@@ -323,24 +269,25 @@ Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOp
   medianInverseDepth_ = depths.empty() ? 0 : median(depths);
 }
 
-std::vector<Composer::Candidate> Composer::candidates(const Camera& view) const {
+std::vector<Composer::Choice> Composer::candidates(const Camera& view) const {
   constexpr std::size_t kPlaces = kCandidateColumns * kCandidateRows * kCandidateDepths.size();
   std::vector<std::array<double, kPlaces>> value(photographs_.size());
   for (std::size_t i = 0; i < photographs_.size(); ++i) {
-    const Reprojection towards(view, photographs_[i].camera);
+    Candidate candidate;
+    candidate.camera = photographs_[i].camera;
+    const PhotographSampler sampler(view, candidate);
     std::size_t place = 0;
     for (const double depth : kCandidateDepths)
       for (int row = 0; row < kCandidateRows; ++row)
         for (int column = 0; column < kCandidateColumns; ++column, ++place) {
           value[i][place] = 0;
-          const glm::dvec3 ray = towards.ray({(column + 0.5) / kCandidateColumns * view.intrinsics.width,
+          const glm::dvec3 ray = sampler.ray({(column + 0.5) / kCandidateColumns * view.intrinsics.width,
                                               (row + 0.5) / kCandidateRows * view.intrinsics.height}),
-                           direction = ray + depth * medianInverseDepth_ * towards.shift();
-          if (!(direction.z < 0)) continue;
-          const glm::dvec2 pixel = towards.pixel(direction);
-          if (!towards.inside(pixel)) continue;
-          value[i][place] =
-              borderWeight(photographs_[i].camera.intrinsics, pixel) / (kAngleFloor + angleBetween(ray, direction));
+                           direction = ray + depth * medianInverseDepth_ * sampler.shift();
+          const auto pixel = sampler.pixel(direction);
+          if (!pixel) continue;
+          const double angle = std::atan2(glm::length(glm::cross(ray, direction)), glm::dot(ray, direction));
+          value[i][place] = sampler.border(*pixel) / (kAngleFloor + angle);
         }
   }
   std::array<double, kPlaces> sum{};
@@ -350,7 +297,7 @@ std::vector<Composer::Candidate> Composer::candidates(const Camera& view) const 
     return total;
   };
   std::vector<bool> taken(photographs_.size(), false);
-  std::vector<Candidate> result;
+  std::vector<Choice> result;
   std::vector<double> gains;
   while (gains.size() <= options_.candidates) {
     std::size_t best = photographs_.size();
@@ -371,148 +318,32 @@ std::vector<Composer::Candidate> Composer::candidates(const Camera& view) const 
 }
 
 Composed Composer::compose(const Camera& view, const PictureSource& pictures) const {
-  const int width = view.intrinsics.width, height = view.intrinsics.height;
-  const auto pixels = std::size_t(width) * std::size_t(height);
-  std::vector<Used> used;
-  std::vector<Image8> pictureOf;
-  for (const Candidate& candidate : candidates(view)) {
-    const ComposerPhotograph& photograph = photographs_[candidate.photograph];
-    used.push_back({candidate.photograph, candidate.weight,
-                    glm::distance(view.pose.position, photograph.camera.pose.position),
-                    Reprojection(view, photograph.camera),
-                    photograph.depth.residualPx / (photograph.camera.intrinsics.fx * spacing_)});
-    pictureOf.push_back(pictures(candidate.photograph));
+  const std::vector<Choice> choices = candidates(view);
+  std::vector<std::vector<Image8>> textures;
+  Job job;
+  job.view = view;
+  for (const Choice& choice : choices) {
+    const Image8& picture = pictures(choice.photograph);
+    textures.push_back(finestLevel(picture));
+    const auto& [camera, depth] = photographs_[choice.photograph];
+    Candidate& candidate = job.candidates.emplace_back();
+    candidate.camera = camera;
+    candidate.weight = choice.weight;
+    candidate.distance = glm::distance(view.pose.position, camera.pose.position) / spacing_;
+    candidate.step = depth.step;
+    candidate.residual = depth.residualPx / (focalPx(camera.intrinsics) * spacing_);
+    candidate.masked = picture.channels == 4;
+    candidate.depth = &occluders_[choice.photograph];
   }
-  std::vector<Layer> layers(used.size());
-  const auto always = [](std::size_t) { return true; };
-  runJobs(
-      used.size(), options_.threads, [&](std::size_t k) { layers[k] = drawn(view, photographs_[used[k].photograph]); },
-      always);
-
-  constexpr int kRows = 8;  // of a job
-  const auto inBands = [&](const auto& row) {
-    runJobs(
-        std::size_t((height + kRows - 1) / kRows), options_.threads,
-        [&](std::size_t band) {
-          for (int y = int(band) * kRows; y < std::min(height, (int(band) + 1) * kRows); ++y) row(y);
-        },
-        always);
+  for (std::size_t k = 0; k < textures.size(); ++k) job.candidates[k].levels = &textures[k];
+  job.mesh = [&](std::size_t k) {
+    const auto& [camera, depth] = photographs_[choices[k].photograph];
+    return hypothesisMesh(camera.intrinsics, depth);
   };
-
-  std::vector<Surfaces> surfaces(pixels);
-  inBands([&](int y) {
-    std::vector<Vote> votes;
-    for (int x = 0; x < width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(width) + std::size_t(x);
-      votes.clear();
-      for (std::size_t k = 0; k < used.size(); ++k) {
-        const Hypothesis& here = layers[k][at];
-        const double far = used[k].distance / spacing_,
-                     weight = used[k].weight * double(here.trust) / (0.3 + far * far);
-        if (here.inverseDepth >= 0 && weight > 0)
-          votes.push_back({double(here.inverseDepth), weight, double(here.consensus), here.completed});
-      }
-      surfaces[at] = vote(votes, step_);
-    }
-  });
-
-  // Holes.
-  ImageF first(width, height, 1, 0.0f);
-  std::vector<bool> known(pixels), filled(pixels);
-  for (std::size_t at = 0; at < pixels; ++at) {
-    known[at] = surfaces[at].count > 0;
-    filled[at] = !known[at];
-    if (known[at]) first.values[at] = float(surfaces[at].layer[0].inverseDepth);
-  }
-  fillHoles(first, known);
-  for (std::size_t at = 0; at < pixels; ++at)
-    if (filled[at]) surfaces[at] = {{{{double(first.values[at]), 1.0, true}}}, 1};
-
-  Composed result{Image8(width, height, 4, 0), ImageF(width, height, 1, 0.0f)};
-  const auto gather = [&](glm::dvec2 at, double inverseDepth) {
-    std::vector<Offer> offers;
-    for (std::size_t k = 0; k < used.size(); ++k) {
-      const Used& candidate = used[k];
-      const ComposerPhotograph& photograph = photographs_[candidate.photograph];
-      const Intrinsics& intrinsics = photograph.camera.intrinsics;
-      const glm::dvec3 ray = candidate.towards.ray(at), direction = ray + inverseDepth * candidate.towards.shift();
-      if (!(direction.z < 0)) continue;
-      const glm::dvec2 pixel = candidate.towards.pixel(direction);
-      if (!candidate.towards.inside(pixel)) continue;
-      const double cost = kAngleFloor + angleBetween(ray, direction) + kDistanceCost * candidate.distance / spacing_;
-      const double resolution = std::min(
-          intrinsics.fx * glm::length(ray) / (view.intrinsics.fx * glm::length(direction)), kLargestResolution);
-      const double here = inverseDepth / -direction.z;
-      const ImageF& occluder = occluders_[candidate.photograph];
-      const double own = double(bilinear(occluder, pixel.x / intrinsics.width * occluder.width,
-                                         pixel.y / intrinsics.height * occluder.height));
-      const double tolerance = 2 * toleranceOf(photograph.depth.step, here) + candidate.residual;
-      const double before = std::clamp((own - here) / tolerance - 1, 0.0, 1.0),
-                   behind = std::clamp((here - own) / tolerance - 1, 0.0, 1.0);
-      const double visible = std::max((1 - before) * (1 - (1 - kBehindVisibility) * behind), kVisibilityFloor);
-      const double apart = smoothstep(0, kOwnPlace, cost - kAngleFloor);
-      constexpr double kLeastApart = 1e-6;
-      double weight = candidate.weight * resolution * resolution *
-                      glm::mix(1.0, borderWeight(intrinsics, pixel), apart) * glm::mix(1.0, visible, apart) /
-                      (cost * std::max(apart, kLeastApart));
-      const Image8& picture = pictureOf[k];
-      if (picture.channels == 4 &&
-          picture.pixel(std::min(int(pixel.x), picture.width - 1), std::min(int(pixel.y), picture.height - 1))[3] == 0)
-        weight = 0;
-      if (weight > 0) offers.push_back({weight, k, pixel});
-    }
-    std::sort(offers.begin(), offers.end(), [](const Offer& a, const Offer& b) { return a.weight > b.weight; });
-    const double least = offers.size() > options_.gathered ? offers[options_.gathered].weight : 0.0;
-    Colour colour;
-    double sum = 0;
-    glm::dvec3 square(0);
-    for (std::size_t k = 0; k < std::min(offers.size(), options_.gathered); ++k) {
-      const double weight = offers[k].weight - least;
-      if (!(weight > 0)) continue;
-      const glm::dvec3 sample = ibr::bilinear(pictureOf[offers[k].candidate], offers[k].pixel);
-      sum += weight;
-      colour.mean += weight * sample;
-      square += weight * sample * sample;
-    }
-    if (!(sum > 0)) return colour;
-    colour.known = true;
-    colour.mean /= sum;
-    const glm::dvec3 variance = square / sum - colour.mean * colour.mean;
-    colour.variance = std::max(0.0, (variance.x + variance.y + variance.z) / 3);
-    return colour;
-  };
-  inBands([&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const std::size_t at = std::size_t(y) * std::size_t(width) + std::size_t(x);
-      const Surfaces& here = surfaces[at];
-      double behind = 1, sum = 0, most = -1;
-      glm::dvec3 colour(0);
-      bool completed = false;
-      for (std::size_t l = 0; l < here.count; ++l) {
-        const Surface& surface = here.layer[l];
-        const bool last = l + 1 == here.count;
-        const Colour gathered = gather({x + 0.5, y + 0.5}, surface.inverseDepth);
-        if (!gathered.known) continue;
-        const double opacity = last ? 1.0 : surface.opacity;
-        const double weight = behind * opacity / (1 + gathered.variance / (kColourSpread * kColourSpread));
-        behind *= 1 - opacity;
-        sum += weight;
-        colour += weight * gathered.mean;
-        if (weight > most) {
-          most = weight;
-          result.inverseDepth.pixel(x, y)[0] = float(surface.inverseDepth);
-          completed = surface.completed;
-        }
-      }
-      if (!(sum > 0)) continue;
-      const auto to = result.picture.pixel(x, y);
-      for (int c = 0; c < 3; ++c)
-        to[std::size_t(c)] = std::uint8_t(std::lround(std::clamp(colour[c] / sum, 0.0, 255.0)));
-      const int tier = filled[at] ? kTierFilled : completed ? kTierBackdrop : kTierAgrees;
-      to[3] = std::uint8_t(255 - 64 * tier);
-    }
-  });
-  return result;
+  job.step = step_;
+  job.colours = options_.gathered;
+  job.threads = options_.threads;
+  return composed(job);
 }
 
 }  // namespace ibr::reference

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reference composer: a view from photographs with depth, in double precision on the CPU. It judges depth maps, and is
-// the reference implementation of the renderer's vote and gather.
+// Reference composer: a view from photographs with depth, in double precision on the CPU. It is the reference
+// implementation of Composition::gathered, and judges depth maps.
 //
-//   1. candidates  K photographs, greedy: Σ over a grid of rays and two depths of √(Σ border / (.03 + angle))
-//   2. vote        every candidate's depth map is drawn into the view as a grid of triangles, cut where depth jumps; at
-//                  each pixel the hypotheses support each other within a tolerance t, weighted by trust and by
-//                  nearness:
+//   1. candidates  at most K photographs: FramePlan::photographs, or, of depth maps, greedy: Σ over a grid of rays and
+//                  two depths of √(Σ border / (.03 + angle))
+//   2. layers      every candidate's mesh is drawn into the view at the vote's size: ρ, trust and consensus of the
+//                  nearest surface (composer_layer.h)
+//   3. vote        hypotheses of a pixel support each other within a tolerance t, weighted by trust and by nearness:
 //                      u = trust(c) / (.3 + (d / b)²),   support(ρ) = Σ u (1 − (Δρ / t)²)
-//                  peaks from front to back are the pixel's layers, at most two, of opacity mean(a) / .9; pixels
-//                  without a hypothesis get depth by push–pull
-//   3. gather      for each layer the N best candidates by
-//                      w = r² · border · visibility / cost,   cost = .03 + angle + .001 |c_i − p| / b
-//                  less the (N + 1)-th's w, so that no photograph comes or goes with a step. A layer counts by its
-//                  opacity and by how well its colours agree
+//                  peaks from front to back are the pixel's surfaces, of opacity mean(a) / .9; pixels without a
+//                  hypothesis get depth by pull and push (composer_vote.h)
+//   4. gather      for each surface the N best candidates by
+//                      w = r² · border · visibility / cost,   cost = .03 + angle + .001 d / b
+//                  less the (N + 1)-th's w, so that no photograph comes or goes with a step (composer_gather.h). A
+//                  surface counts by its opacity and by how well its colours agree
 //
-// ρ is inverse depth along a camera's axis, 1 / world unit; c, v and a: PhotographDepth. The picture is continuous in
-// the camera except where a peak appears or the third layer is dropped.
+// ρ is inverse depth along a camera's axis (of a panorama: along the ray), 1 / world unit; c, v and a: PhotographDepth;
+// d: distance of a photograph from the middle of the views; b: spacing of the capture. The image is continuous in the
+// camera except where a peak appears or the third surface is dropped.
 //
 // Departure: w is divided by s = smoothstep(0, .01, cost − .03), so that a photograph is alone at its own pose.
 #pragma once
@@ -26,17 +28,35 @@
 
 #include "ibr/camera.h"
 #include "ibr/image.h"
+#include "ibr/renderer.h"
+#include "ibr/scene.h"
+#include "reference/composer_layer.h"
 
 namespace ibr::reference {
 
-/// Depth of a photograph, and what other photographs say of it. Four maps of one size.
-struct PhotographDepth {
-  ImageF inverseDepth;    // along the axis, 1 / world unit, >= 0: known everywhere
-  Image8 confirmations;   // c: photographs whose depth is the same there; 0 where depth was completed
-  ImageF consensus;       // a: (c + .25) / (c + v + .5), v photographs that see past it; .1 where completed
-  double step = 0;        // ρ that moves a point by 1 px at half the photograph's size over the spacing b, > 0
-  double residualPx = 0;  // median reprojection residual, px of the photograph
+/// A composed view. Inverse depths are along the view's axis.
+struct Composed {
+  Image8 picture;  // RGBA; alpha as AlphaContent::tier: kTierAgrees where the depth is confirmed, kTierBackdrop where
+                   // it was completed, kTierFilled where it was filled in the view, 0 and black where no photograph
+                   // shows anything
+  ImageF colour;   // RGB of `picture` before rounding, 8-bit levels
+  ImageF inverseDepth;        // of the surface that counts most
+  ImageF opaqueInverseDepth;  // of the nearest surface that hides at least half of what lies behind: a depth buffer's
+  ImageF supportMargin;       // Surfaces::margin of the pixel's vote: near 0 where rounding decides which peak wins
 };
+
+/// Textures of a scene's photographs, by node, valid until the composition is done.
+struct GatherTextures {
+  std::function<const std::vector<Image8>&(std::size_t)> photograph;  // RGBA mip levels; alpha is the mask
+  std::function<const ImageF&(std::size_t)> depth;                    // as Node::depthFile: red ρ / depthScale
+};
+
+/// A view of a plan with Composition::gathered, from the photographs that the plan has. Throws Error{invalidInput} for
+/// RenderSettings::renderScale other than 1, a plan without a spacing, colours or layers out of range, a photograph
+/// without evidence in its backdrop's mesh, without texture levels in RGBA, or without a depth texture.
+/// Memory: 24 K + 100 bytes a pixel of the vote, 28 bytes a pixel, and 100 bytes a vertex of one mesh for each thread.
+Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
+                         int threads = 1);
 
 /// A photograph with its depth. A pinhole; the depth maps cover the photograph and may be smaller.
 struct ComposerPhotograph {
@@ -50,14 +70,7 @@ struct ComposerOptions {
   int threads = 1;
 };
 
-/// A composed view.
-struct Composed {
-  Image8 picture;  // RGBA; alpha as AlphaContent::tier: kTierAgrees where the depth is confirmed, kTierBackdrop where
-                   // it was completed, kTierFilled where it was filled in the view, 0 and black where no photograph
-                   // shows anything
-  ImageF inverseDepth;  // of the layer that counts most, along the view's axis
-};
-
+/// Views from depth maps. The vote has the view's size.
 class Composer {
  public:
   /// The photograph of a number in RGB or RGBA (alpha 0: not to be shown), valid until the next call.
@@ -67,16 +80,16 @@ class Composer {
   /// step that is not positive.
   explicit Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options = {});
 
-  /// Precondition: a pinhole. Thread-safe where `pictures` is. Memory: 16 K + 80 bytes a pixel, and copies of K
-  /// photographs.
+  /// Precondition: a pinhole. Thread-safe where `pictures` is. Memory: 24 K + 130 bytes a pixel, copies of K
+  /// photographs, and 100 bytes a pixel of one depth map for each thread.
   Composed compose(const Camera& view, const PictureSource& pictures) const;
 
   /// Photographs that compose() would use for a view, best first, and the weight that each has as a whole, 0 to 1.
-  struct Candidate {
+  struct Choice {
     std::size_t photograph = 0;
     double weight = 1;
   };
-  std::vector<Candidate> candidates(const Camera& view) const;
+  std::vector<Choice> candidates(const Camera& view) const;
 
   /// b: median over the photographs of the distance to the nearest one that was taken elsewhere; 1 where there is none.
   double spacing() const { return spacing_; }

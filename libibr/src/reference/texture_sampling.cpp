@@ -62,6 +62,18 @@ Texel bicubic(const Image8& image, glm::dvec2 at, bool around) {
 
 }  // namespace
 
+glm::dvec3 exposedColour(glm::dvec3 colour, glm::dvec3 gain) {
+  const double clipped = std::clamp((largest(colour) - 0.9) / 0.09, 0.0, 1.0);  // share
+  glm::dvec3 result;
+  for (int c = 0; c < 3; ++c) {
+    const double slope = std::pow(gain[c], 1 / 2.4), before = colour[c];
+    const double curved = slope * (before + 0.055) - 0.055, straight = gain[c] * before;
+    const double after = gain[c] < 1 ? std::max(curved, straight) : std::min(curved, straight);
+    result[c] = after < before ? after + clipped * (before - after) : after;
+  }
+  return result;
+}
+
 Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around, bool cubic) {
   const double lod = std::clamp(std::log2(std::max(footprint, 1e-30)), 0.0, double(levels.size() - 1));
   const auto fine = std::size_t(lod);

@@ -29,6 +29,10 @@ inline Texel mixed(const Texel& a, double weightA, const Texel& b, double weight
           weightA * a.alpha + weightB * b.alpha};
 }
 
+/// A photograph's display-encoded colour whose linear light is multiplied by a gain (shared/cell.h, exposedColour). Not
+/// clamped.
+glm::dvec3 exposedColour(glm::dvec3 colour, glm::dvec3 gain);
+
 /// `footprint`: texels of the finest level between neighbouring pixels; `around`: a panorama goes around in x.
 Texel trilinear(const std::vector<Image8>& levels, glm::dvec2 at, double footprint, bool around, bool cubic);
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The vote: the hypotheses of a pixel become its surfaces. Pure.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "ibr/renderer.h"
+
+namespace ibr::reference {
+
+/// ρ by which two hypotheses may differ and still be the same surface.
+double toleranceOf(double step, double inverseDepth);
+
+/// Weight u of a hypothesis. `distance`: of its photograph, spacings.
+double voteWeight(double photographWeight, double trust, double distance);
+
+struct Vote {
+  double inverseDepth = 0;
+  double weight = 0;  // u > 0
+  double trust = 0, consensus = 0;
+};
+
+/// A surface that colours are gathered for.
+struct Surface {
+  double inverseDepth = 0;  // along the view's axis
+  double opacity = 1;       // 0 to 1, of what lies behind
+  bool completed = false;   // most of its weight comes from depth that nobody confirmed
+};
+
+/// The surfaces of a pixel, nearest first.
+struct Surfaces {
+  std::array<Surface, kMaxGatherLayers> surface;
+  std::size_t count = 0;  // 0: nothing is known
+  bool filled = false;    // a hole of the vote
+  double margin = 1;      // relative difference of the two largest supports; 1 with fewer than two hypotheses
+};
+
+/// `votes`: in the order of the candidates; `layers`: most surfaces, at most kMaxGatherLayers.
+Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers);
+
+/// Gives pixels without a hypothesis one surface, whose ρ is interpolated from around by pull and push. Row by row.
+/// Nothing happens where no pixel has a surface.
+void fillHoles(std::vector<Surfaces>& pixels, int width, int height);
+
+}  // namespace ibr::reference
