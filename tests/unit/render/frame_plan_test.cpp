@@ -357,7 +357,7 @@ TEST_CASE("backdrops come before cells that are further away than twice their ph
   CHECK(share({0.5, 0, 0}, 0) == 0);
   for (const double x : {-0.6, -1e-9, 0.0, 1e-9, 0.1, 0.5}) CHECK(share({x, 0, 0}, 1) == 0);  // the cell shows it, too
   double last = 1;
-  for (double x = 1.2; x > 0.5; x -= 0.01) {
+  for (double x = 1.2; x > 0.5; x -= 0.002) {
     const double now = share({x, 0, 0}, 0);
     CHECK(now <= last + 1e-12);
     CHECK(last - now < 0.2);
@@ -370,6 +370,33 @@ TEST_CASE("backdrops come before cells that are further away than twice their ph
   for (double x = 1.2; x > 0.5; x -= 0.01) CHECK((share({x, 0, 0}, 0) == 0 || share({x, 0, 0}, 0) == 1));
   settings.colourMapping = ColourMapping::paper;  // whose sequence is one of cells
   CHECK(share({1.2, 0, 0}, 0) == 0);
+}
+
+TEST_CASE("a backdrop passes a cell about half of its distance, over a twentieth of that distance") {
+  for (const double scale : {1e-3, 1.0, 1e4}) {  // world units
+    FramePlan plan;
+    PlannedCell cell;
+    cell.extrapolationDistance = 1.0 * scale;
+    cell.photographDistance = 3.0 * scale;  // a distance of 2 in all
+    const auto share = [&](double distance) {
+      PlannedBackdrop backdrop;
+      backdrop.distance = distance * scale;
+      return shareBefore(plan, backdrop, cell);
+    };
+    CHECK(share(0) == 1);
+    CHECK(share(0.94) == 1);
+    CHECK(share(0.95) == Approx(1));
+    CHECK(share(0.975) == Approx(0.75));
+    CHECK(share(1) == Approx(0.5));
+    CHECK(share(1.025) == Approx(0.25));
+    CHECK(share(1.05) == Approx(0).margin(1e-12));
+    CHECK(share(1.06) == 0);
+    plan.settings.switchSeconds = 0;  // nothing fades
+    CHECK(share(0.99) == 1);
+    CHECK(share(1.01) == 0);
+    cell = {};
+    CHECK(share(0) == 0);
+  }
 }
 
 TEST_CASE("backdrops change their order little by little, and none is missing meanwhile") {

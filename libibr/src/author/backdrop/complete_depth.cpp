@@ -14,11 +14,10 @@ namespace {
 constexpr int kSweeps = 12;    // of a level, there and back
 constexpr float kEdge = 6.0f;  // change of colour over which the conductance falls to 1/e, of 255
 constexpr float kLeastConductance = 1e-3f;
-constexpr float kFarShare = 0.25f;  // w₀, of the median of what is known
 
 struct Level {
   int width, height;
-  std::vector<float> value;  // φ
+  std::vector<float> value;  // ρ
   std::vector<float> known;  // share of the pixel's area that is known; more than 0 fixes the value
   ImageF colour;
 
@@ -122,17 +121,8 @@ void keepWithinRims(const ImageF& known, ImageF& completed) {
 }  // namespace
 
 ImageF completeDepth(const ImageF& inverseDepth, const Image8& colours) {
-  std::vector<float> sorted;
-  for (const float w : inverseDepth.values)
-    if (w >= 0) sorted.push_back(w);
   ImageF result(inverseDepth.width, inverseDepth.height, 1);
-  if (sorted.empty()) return result;
-  const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const float offset = *middle > 0 ? kFarShare * *middle : 1.0f;  // w₀
-  // In units of w₀, so that no value overflows.
-  const auto toHarmonic = [&](float w) { return 1.0f / ((w / offset + 1.0f) * (w / offset + 1.0f)); };
-  const auto toDepth = [&](float value) { return offset * (1.0f / std::sqrt(value) - 1.0f); };
+  if (std::ranges::none_of(inverseDepth.values, [](float w) { return w >= 0; })) return result;
 
   std::vector<Level> levels(1);
   Level& finest = levels[0];
@@ -142,7 +132,7 @@ ImageF completeDepth(const ImageF& inverseDepth, const Image8& colours) {
   std::copy(colours.values.begin(), colours.values.end(), finest.colour.values.begin());
   for (const float w : inverseDepth.values) {
     finest.known.push_back(w >= 0 ? 1.0f : 0.0f);
-    finest.value.push_back(w >= 0 ? toHarmonic(w) : 0.0f);
+    finest.value.push_back(std::max(w, 0.0f));
   }
   while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(halved(levels.back()));
   for (std::size_t l = levels.size() - 1; l-- > 0;) {
@@ -154,7 +144,7 @@ ImageF completeDepth(const ImageF& inverseDepth, const Image8& colours) {
     relax(level);
   }
   for (std::size_t at = 0; at < result.values.size(); ++at)
-    result.values[at] = inverseDepth.values[at] >= 0 ? inverseDepth.values[at] : toDepth(levels[0].value[at]);
+    result.values[at] = inverseDepth.values[at] >= 0 ? inverseDepth.values[at] : levels[0].value[at];
   keepWithinRims(inverseDepth, result);
   return result;
 }

@@ -16,7 +16,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 2;  // of their making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 3;  // of their making: raise it when they come out differently
 
 // How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
 double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is drawn for one view, in order: a step is one tier of one mesh.
 //
-//   all of tier 0, main cell first; before a cell that shows photographs from much further away, backdrops' tier 0;
+//   all of tier 0, main cell first; before a cell that is more than twice as far from the view as a backdrop's
+//   photograph, that backdrop's tier 0 (shareBefore in render/plan/draw_order.h: the rule, its constants and units);
 //   then all of tier 1, each cell from its best member alone;
 //   then backdrops (tier 2), what they have of tier 0 first, then what closes them across depth edges.
 //   Cells that leave stand at the places that they had

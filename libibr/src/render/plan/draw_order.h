@@ -22,9 +22,22 @@ constexpr std::uint32_t copiesBeforeCells(std::size_t backdrops) {
   return 4 * std::uint32_t(std::min<std::size_t>(backdrops, kLargestBackdropCount));
 }
 
-/// Share of the pixels of a backdrop that come before a cell, from 0 to 1 as its photograph is nearer than half as far
-/// away as the cell is: the mean of how far the view is outside of it and how far away the photographs are that it
-/// shows; never more than the cell's opacity. Inside of a regular cell its own members never come first.
+/// Factor on a backdrop's distance where it is compared with a cell's, dimensionless: no second photograph confirms a
+/// backdrop's depth.
+inline constexpr double kBackdropDistanceFactor = 2;
+
+/// Band of that product over which a backdrop passes a cell, as a share of the cell's distance; tuned on
+/// path_lund_street: see docs/quality.md.
+inline constexpr double kPassingBand = 0.1;
+
+/// Returns the share of a backdrop's tier 0 that is drawn before a cell, from 0 to the cell's opacity:
+///
+///   ½ + (1 − kBackdropDistanceFactor · d / D) / kPassingBand,
+///
+/// d the distance of the backdrop's photograph from the middle of the views, D the cell's distance: the mean of
+/// PlannedCell::extrapolationDistance and photographDistance; both in world units. So the backdrop begins to pass the
+/// cell at d = .525 D, and has passed it at .475 D. Where nothing fades (switchSeconds is 0) it passes at once, at ½ D.
+/// Returns 0 where D is 0, and with the paper's colour sequence. Inside of a regular cell its members never come first.
 double shareBefore(const FramePlan& plan, const PlannedBackdrop& backdrop, const PlannedCell& cell) noexcept;
 
 /// Calls `visit` with every cell of the order and its number, those that leave between them.

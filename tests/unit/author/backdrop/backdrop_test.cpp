@@ -97,7 +97,7 @@ TEST_CASE("a hole stays within its rim, whatever is known elsewhere") {
     }
 }
 
-TEST_CASE("completed depth follows the photograph's edges, and leans to the far side where there is none") {
+TEST_CASE("completed depth follows the photograph's edges, and is linear in inverse depth where there is none") {
   ImageF depth(80, 40, 1, kUnknownDepth);
   Image8 edge(80, 40, 3, 60), flat(80, 40, 3, 60);
   for (int y = 0; y < 40; ++y)
@@ -109,8 +109,23 @@ TEST_CASE("completed depth follows the photograph's edges, and leans to the far 
   const ImageF followed = completeDepth(depth, edge), smooth = completeDepth(depth, flat);
   CHECK(followed.pixel(50, 20)[0] > 0.45f);
   CHECK(followed.pixel(65, 20)[0] < 0.11f);
-  CHECK(smooth.pixel(40, 20)[0] < 0.25f);  // less than in the middle
-  CHECK(smooth.pixel(40, 20)[0] > 0.1f);
+  for (int x = 5; x < 75; ++x) CHECK(smooth.pixel(x, 20)[0] == Approx(0.5 - 0.4 * (x - 4) / 71.0).margin(0.01));
+}
+
+TEST_CASE("completed depth leans neither to the near nor to the far rim of a hole") {
+  const Image8 flat(64, 48, 3, 90);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> uniform(0.05f, 0.95f);
+  ImageF rims(64, 48, 1, kUnknownDepth), swapped = rims;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (x < 6 || x >= 58 || y < 6 || y >= 42) {
+        rims.pixel(x, y)[0] = uniform(random);
+        swapped.pixel(x, y)[0] = 1.0f - rims.pixel(x, y)[0];  // near for far
+      }
+  const ImageF completed = completeDepth(rims, flat), completedSwapped = completeDepth(swapped, flat);
+  for (std::size_t at = 0; at < completed.values.size(); ++at)
+    REQUIRE(completedSwapped.values[at] == Approx(1.0 - double(completed.values[at])).margin(1e-4));
 }
 
 TEST_CASE("nothing known, one pixel known, all known") {
