@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "base/median.h"
 #include "base/parallel.h"
+#include "scene/capture_spacing.h"
 #include "reference/composer_gather.h"
 #include "reference/composer_photograph.h"
 #include "reference/composer_vote.h"
@@ -195,20 +196,6 @@ std::vector<Image8> finestLevel(const Image8& picture) {
 }
 
 }  // namespace
-
-double captureSpacing(const std::vector<Camera>& cameras) {
-  double extent = 0;
-  for (const Camera& camera : cameras)
-    extent = std::max(extent, glm::distance(camera.pose.position, cameras[0].pose.position));
-  std::vector<double> nearest;
-  for (const Camera& a : cameras) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const Camera& b : cameras)
-      if (const double d = glm::distance(a.pose.position, b.pose.position); d > 1e-6 * extent) best = std::min(best, d);
-    if (std::isfinite(best)) nearest.push_back(best);
-  }
-  return nearest.empty() ? 1.0 : median(std::move(nearest));
-}
 
 Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
                          int threads) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/composer.h"
+#include "scene/capture_spacing.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -183,7 +184,7 @@ TEST_CASE("the capture spacing is the median distance to the next capture site")
   const auto spacing = [](std::vector<double> xs) {
     std::vector<Camera> cameras;
     for (const double x : xs) cameras.push_back(cameraAt({x, 0, 0}));
-    return reference::captureSpacing(cameras);
+    return captureSpacing(cameras);
   };
   CHECK(spacing({0, 0, 0, 1, 1, 2}) == Approx(1));
   CHECK(spacing({3, 3}) == 1);

@@ -58,6 +58,7 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
   const Intrinsics& k = stored.intrinsics;
   const glm::dvec2 scale(double(k.width) / completed.width, double(k.height) / completed.height);
   const double parallaxPx = options.step * std::max(k.fx / scale.x, k.fy / scale.y);  // of inverse depth 1
+  const double cutPx = options.cut > 0 ? parallaxPx * options.cut / options.step : parallaxPx;
   const std::vector<Vertex> vertices = pickVertices(completed, parallaxPx, options.spacing);
 
   CellMesh result;
@@ -77,7 +78,7 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
     mesh.inverseDistance.push_back(float(double(w) * -ray.z));
     isKnown.push_back(inverseDepth.pixel(vertex.pixel.x, vertex.pixel.y)[0] >= 0);
     mesh.uncertainty.push_back((isKnown.back() ? kKnownShare : 1.0f) * mesh.inverseDistance.back());
-    parallax.push_back(float(parallaxPx * double(w)));
+    parallax.push_back(float(cutPx * double(w)));
   }
   const auto stretched = [&](const glm::uvec3& t) {
     for (int i = 0; i < 3; ++i) {

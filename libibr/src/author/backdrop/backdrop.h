@@ -17,6 +17,7 @@ namespace ibr {
 
 struct BackdropOptions {
   double step = 0;  // world units that a virtual camera is likely to be away from the photograph; >= 0
+  double cut = 0;   // world units: triangles are cut whose parallax changes too much over this baseline; 0: step
   int spacing = 8;  // least between vertices, in px of the depth's picture; a power of two, 2 to 32
 };
 

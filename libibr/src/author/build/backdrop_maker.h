@@ -43,6 +43,7 @@ class BackdropMaker {
   const std::vector<std::uint64_t>& keys_;
   std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
   std::vector<double> sizes_;                        // of each cell: its longest edge
+  double spacing_ = 1;                               // of the capture, world units
 };
 
 }  // namespace ibr

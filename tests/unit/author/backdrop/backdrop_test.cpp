@@ -152,17 +152,20 @@ TEST_CASE("a backdrop fills the picture exactly, whatever is known") {
   one.pixel(100, 100)[0] = 0.3f;
   for (const ImageF& depth :
        {ImageF(size.x, size.y, 1, kUnknownDepth), one, patchy(size.x, size.y, 0.3), patchy(size.x, size.y, 1.1)})
-    for (const double step : {0.0, 1.0, 1e3}) checkClosed(camera, buildBackdrop(camera, depth, colours, {step, 8}));
+    for (const double step : {0.0, 1.0, 1e3})
+      checkClosed(camera, buildBackdrop(camera, depth, colours, {.step = step, .spacing = 8}));
   std::size_t last = 0;
   for (const int spacing : {32, 16, 8, 4, 2}) {
-    const CellMesh backdrop = buildBackdrop(camera, patchy(size.x, size.y, 1.1), colours, {1.0, spacing});
+    const CellMesh backdrop =
+        buildBackdrop(camera, patchy(size.x, size.y, 1.1), colours, {.step = 1.0, .spacing = spacing});
     checkClosed(camera, backdrop);
     CHECK(backdrop.mesh.pointCount() > last);
     last = backdrop.mesh.pointCount();
   }
   for (const glm::ivec2 tiny : {glm::ivec2(1, 1), {3, 2}, {1, 40}}) {
     const Camera small{resized(camera.intrinsics, tiny.x, tiny.y), camera.pose};
-    checkClosed(small, buildBackdrop(small, ImageF(tiny.x, tiny.y, 1, 0.5f), Image8(tiny.x, tiny.y, 3), {1.0, 8}));
+    checkClosed(small, buildBackdrop(small, ImageF(tiny.x, tiny.y, 1, 0.5f), Image8(tiny.x, tiny.y, 3),
+                                     {.step = 1.0, .spacing = 8}));
   }
 }
 
@@ -172,7 +175,7 @@ TEST_CASE("a backdrop's vertices stand where the depth says, and its coverage co
   ImageF depth(size.x, size.y, 1, 0.25f);
   for (int y = 0; y < size.y / 2; ++y)
     for (int x = 0; x < size.x; ++x) depth.pixel(x, y)[0] = kUnknownDepth;
-  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(size.x, size.y), {1.0, 8});
+  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(size.x, size.y), {.step = 1.0, .spacing = 8});
   CHECK(backdrop.quality.coverage == Approx(0.5));
   Scene scene;
   scene.nodes.push_back({"a", camera, {}, {}});
@@ -188,7 +191,7 @@ TEST_CASE("what other photographs may show behind an edge of known depth is draw
   ImageF depth(256, 192, 1, 0.1f);
   for (int y = 0; y < 192; ++y)
     for (int x = 0; x < 100; ++x) depth.pixel(x, y)[0] = 1.0f;
-  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(256, 192), {1.0, 8});
+  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(256, 192), {.step = 1.0, .spacing = 8});
   checkClosed(camera, backdrop);
   const MorphMesh& mesh = backdrop.mesh;
   const std::size_t first = mesh.tier0Count();
@@ -204,7 +207,7 @@ TEST_CASE("what other photographs may show behind an edge of known depth is draw
     for (int x = 60; x < 256; ++x) depth.pixel(x, y)[0] = kUnknownDepth;
   for (int y = 0; y < 192; ++y)
     for (int x = 250; x < 256; ++x) depth.pixel(x, y)[0] = 0.1f;
-  const CellMesh guessed = buildBackdrop(camera, depth, speckled(256, 192), {1.0, 8});
+  const CellMesh guessed = buildBackdrop(camera, depth, speckled(256, 192), {.step = 1.0, .spacing = 8});
   CHECK(guessed.mesh.tier0Count() == guessed.mesh.triangles.size());
 }
 
