@@ -21,9 +21,10 @@ std::uint64_t bytesWithMips(TextureFormat format, int width, int height) {
 
 }  // namespace
 
-MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats) {
+MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats, std::uint64_t depth) {
   assert(formats.size() == scene.nodes.size());
   MemoryDemand demand;
+  demand.depth = depth;
   std::vector<bool> shown(scene.nodes.size(), false);
   for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
     for (const Cell& cell : *cells) {
@@ -45,6 +46,16 @@ std::vector<TextureFormat> textureFormats(const Scene& scene) {
     formats.push_back(node.textureFile.empty() ? TextureFormat::rgba8
                                                : probeKtx2(scene.folder / node.textureFile).format);
   return formats;
+}
+
+std::uint64_t depthTextureBytes(const Scene& scene) {
+  std::uint64_t bytes = 0;
+  for (const Node& node : scene.nodes) {
+    if (node.depthFile.empty()) continue;
+    const Ktx2Info depth = probeKtx2(scene.folder / node.depthFile);
+    bytes += textureBytes(depth.format, depth.width, depth.height);
+  }
+  return bytes;
 }
 
 }  // namespace ibr

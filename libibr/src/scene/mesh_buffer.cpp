@@ -34,7 +34,8 @@ T get(std::span<const std::byte> bytes, MeshLayout::Array array, std::size_t ind
 
 MeshLayout layoutOf(const MorphMesh& mesh) {
   const std::size_t tier0 = mesh.tier0Count();
-  return {mesh.memberCount(), mesh.pointCount(), tier0, mesh.triangles.size() - tier0, !mesh.planes.empty()};
+  return {mesh.memberCount(),   mesh.pointCount(),          tier0, mesh.triangles.size() - tier0,
+          !mesh.planes.empty(), !mesh.confirmations.empty()};
 }
 
 float storedMatch(float pixel, int side) {
@@ -103,6 +104,10 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
     put(bytes, layout.uncertainty(), p, mesh.uncertainty[p]);
     put(bytes, layout.position(), p, positions[p]);
     if (layout.hasPlanes) put(bytes, layout.planes(), p, mesh.planes[p]);
+    if (layout.hasEvidence) {
+      put(bytes, layout.confirmations(), p, std::uint32_t(mesh.confirmations[p]));  // and the padding
+      put(bytes, layout.consensus(), p, mesh.consensus[p]);
+    }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const int tier = t < layout.tier0 ? 0 : 1;
@@ -140,6 +145,10 @@ MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout,
     mesh.inverseDistance.push_back(get<float>(bytes, layout.inverseDistance(), p));
     mesh.uncertainty.push_back(get<float>(bytes, layout.uncertainty(), p));
     if (layout.hasPlanes) mesh.planes.push_back(get<glm::u16vec4>(bytes, layout.planes(), p));
+    if (layout.hasEvidence) {
+      mesh.confirmations.push_back(std::uint8_t(get<std::uint32_t>(bytes, layout.confirmations(), p)));
+      mesh.consensus.push_back(get<float>(bytes, layout.consensus(), p));
+    }
   }
   for (int tier = 0; tier < 2; ++tier)
     for (std::size_t t = 0; t < (tier == 0 ? layout.tier0 : layout.tier1); ++t) {

@@ -70,6 +70,13 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
       if (const glm::u16vec4 set = mesh.planes[p]; !isPlaneSet(set))
         faults.add(fmt::format("{}.planes[{}]", at, p), "({}, {}, {}, {}) does not ascend, then stay 0", set.x, set.y,
                    set.z, set.w);
+  if (!mesh.confirmations.empty() || !mesh.consensus.empty()) {
+    sized(mesh.confirmations.size(), points, ".confirmations");
+    if (sized(mesh.consensus.size(), points, ".consensus"))
+      for (std::size_t p = 0; p < points; ++p)
+        if (!(mesh.consensus[p] >= 0.0f && mesh.consensus[p] <= 1.0f))
+          faults.add(fmt::format("{}.consensus[{}]", at, p), "{} is not within 0 to 1", mesh.consensus[p]);
+  }
   for (std::size_t t = 0; t < triangles; ++t) {
     const glm::uvec3 v = mesh.triangles[t];
     if (v.x >= points || v.y >= points || v.z >= points)
@@ -125,6 +132,13 @@ void checkExposure(const Node& node, const std::string& at, Faults& faults) {
       faults.add(fmt::format("{}.capture.{}", at, name), "{} is negative or not finite", capture.*value);
 }
 
+void checkDepth(const Node& node, const std::string& at, Faults& faults) {
+  if (node.depthFile.empty() && node.depthScale != 0)
+    faults.add(at + ".depthScale", "{} is not 0, but there is no depthFile", node.depthScale);
+  if (!node.depthFile.empty() && !(node.depthScale > 0 && std::isfinite(node.depthScale)))
+    faults.add(at + ".depthScale", "{} is not positive and finite", node.depthScale);
+}
+
 }  // namespace
 
 std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
@@ -135,6 +149,7 @@ std::vector<Fault> validate(const Scene& scene, std::size_t limit) {
     if (scene.nodes[n].name.empty()) faults.add(at + ".name", "is empty");
     checkCamera(scene.nodes[n].camera, at + ".camera", faults);
     checkExposure(scene.nodes[n], at, faults);
+    checkDepth(scene.nodes[n], at, faults);
     if (!names.insert(scene.nodes[n].name).second) faults.add(at + ".name", "\"{}\" stands twice", scene.nodes[n].name);
   }
   for (std::size_t c = 0; c < scene.cells.size() && !faults.full(); ++c)

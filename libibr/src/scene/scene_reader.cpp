@@ -26,7 +26,10 @@ class SceneReader {
  public:
   explicit SceneReader(const fs::path& file) : gltf_(file) {}
 
-  JsonValue extension() const { return extensionOf(gltf_, kSceneExtension, kSceneVersion); }
+  JsonValue extension() const {
+    return extensionOf(gltf_, kSceneExtension,
+                       {kSceneVersion, kSceneVersion, "build the scene again with `ibr build`"});
+  }
 
   void facts(Scene& scene) const {
     const JsonValue extension = this->extension();
@@ -58,6 +61,10 @@ class SceneReader {
       for (std::size_t c = 0; c < 3; ++c) within(entry["gain"].at(c), 1 / kLargestGain, kLargestGain);
     }
     if (entry.has("mask")) node.maskFile = gltf_.reference(entry["mask"]["uri"]);
+    if (entry.has("depth")) {
+      node.depthFile = gltf_.reference(entry["depth"]["uri"]);
+      node.depthScale = positive(entry["depth"]["scale"]);
+    }
     return node;
   }
 
@@ -163,6 +170,14 @@ class SceneReader {
         mesh.planes.push_back(set);
       }
     }
+    if (attributes.has("_CONFIRMATIONS") || attributes.has("_CONSENSUS")) {
+      const Accessor counts =
+          sized(gltf_.accessor(attributes["_CONFIRMATIONS"], "SCALAR", {GltfDocument::kUnsignedByte}));
+      for (std::size_t p = 0; p < points; ++p) mesh.confirmations.push_back(std::uint8_t(counts.index(p)));
+      mesh.consensus = floats(
+          sized(gltf_.accessor(attributes["_CONSENSUS"], "SCALAR", {kFloat})), 0,
+          [](float v) { return v >= 0 && v <= 1; }, "is not within 0 to 1");
+    }
     const Accessor position = sized(gltf_.accessor(attributes["POSITION"], "VEC3", {kFloat}));
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
     for (std::size_t p = 0; p < points; ++p) {
@@ -225,6 +240,23 @@ Scene readAll(const fs::path& file, FaultSink& sink) {
   return scene;
 }
 
+void checkDepthFile(const fs::path& folder, const Node& node, const std::string& at, FaultSink& sink) {
+  const std::string name = node.depthFile.string();
+  const Intrinsics& k = node.camera.intrinsics;
+  try {
+    const Ktx2Info depth = probeKtx2(folder / node.depthFile);
+    if (depth.format != TextureFormat::rg16f)
+      sink.add(at, fmt::format("{} is in {}, not in rg16f", name, textureFormatName(depth.format)));
+    else if (depth.levels != 1)
+      sink.add(at, fmt::format("{} has {} levels, not 1", name, depth.levels));
+    else if (depth.width > k.width || depth.height > k.height)
+      sink.add(at, fmt::format("{} is {}x{}, larger than its photograph of {}x{}", name, depth.width, depth.height,
+                               k.width, k.height));
+  } catch (const Error& e) {
+    sink.add(at, e.what());
+  }
+}
+
 void checkFiles(const Scene& scene, FaultSink& sink) {
   for (std::size_t n = 0; n < scene.nodes.size() && !sink.full(); ++n) {
     const Node& node = scene.nodes[n];
@@ -234,6 +266,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       sink.add(at + "/image", fmt::format("{} is missing", node.imageFile.string()));
     if (!node.maskFile.empty() && !fs::is_regular_file(scene.folder / node.maskFile, ignored))
       sink.add(at + "/mask", fmt::format("{} is missing", node.maskFile.string()));
+    if (!node.depthFile.empty()) checkDepthFile(scene.folder, node, at + "/depth", sink);
     if (node.textureFile.empty()) {
       sink.add(at, "has no \"texture\", so nothing of it can be rendered");
       continue;
@@ -246,6 +279,8 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
         sink.add(at + "/texture",
                  fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
                              texture.width, texture.height, texture.levels, k.width, k.height, levels));
+      if (texture.format == TextureFormat::rg16f)
+        sink.add(at + "/texture", fmt::format("{} holds depth (rg16f), not a photograph", node.textureFile.string()));
       if (!node.maskFile.empty() && texture.format == TextureFormat::bc1)
         sink.add(at + "/texture", fmt::format("{} is BC1, which has no alpha for the mask", node.textureFile.string()));
     } catch (const Error& e) {

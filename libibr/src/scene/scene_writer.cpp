@@ -30,6 +30,7 @@ void checkTexts(const Scene& scene, const fs::path& folder) {
     for (const auto& [key, text] : kCaptureTexts)
       demandUtf8(scene.nodes[n].capture.*text, folder, "scene", fmt::format("nodes[{}].capture.{}", n, key));
     demandInside(scene.nodes[n].maskFile, folder, "scene", fmt::format("nodes[{}].maskFile", n));
+    demandInside(scene.nodes[n].depthFile, folder, "scene", fmt::format("nodes[{}].depthFile", n));
   }
   for (std::size_t i = 0; i < scene.unused.size(); ++i) {
     demandUtf8(scene.unused[i].name, folder, "scene", fmt::format("unused[{}].name", i));
@@ -56,6 +57,7 @@ class Writer {
     if (!capture.empty()) entry["capture"] = std::move(capture);
     if (node.gain != glm::dvec3(1.0)) entry["gain"] = {node.gain.r, node.gain.g, node.gain.b};
     if (!node.maskFile.empty()) entry["mask"] = {{"uri", encodeUri(node.maskFile)}};
+    if (!node.depthFile.empty()) entry["depth"] = {{"uri", encodeUri(node.depthFile)}, {"scale", node.depthScale}};
     photographs_.push_back(std::move(entry));
   }
 
@@ -114,6 +116,12 @@ class Writer {
     if (layout.hasPlanes)
       attributes["_PLANES"] = gltf_.addAccessor(array(layout.planes()), layout.points, GltfWriter::kUnsignedShort,
                                                 "VEC4", GltfWriter::kVertices);
+    if (layout.hasEvidence) {
+      attributes["_CONFIRMATIONS"] =
+          gltf_.addAccessor(array(layout.confirmations()), layout.points, GltfWriter::kUnsignedByte, "SCALAR",
+                            GltfWriter::kVertices, MeshLayout::kConfirmationsStride);
+      attributes["_CONSENSUS"] = vertices(layout.consensus(), "SCALAR");
+    }
 
     Json primitives = Json::array(), tiers = Json::array(), ecc = Json::array();
     for (int tier = 0; tier < 2; ++tier) {

@@ -129,6 +129,9 @@ TEST_CASE("faulty depth maps and textures are refused") {
     maps.consensus.values[5] = bad;
     refused(maps);
   }
+  DepthMaps maps = ramp(4, 4);
+  maps.consensus.values[5] = 1.5f;
+  refused(maps);
   const DepthTexture good = depthTexture(ramp(8, 8), 16);
   const auto unread = [](const Texture& texture, double scale) {
     CHECK(test::errorOf([&] { readDepthTexture(texture, scale); }).code() == ErrorCode::invalidInput);

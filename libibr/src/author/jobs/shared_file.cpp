@@ -23,7 +23,7 @@ void shareFile(const fs::path& from, const fs::path& to) {
 
 void shareScene(const Scene& scene, const fs::path& folder) {
   for (const Node& node : scene.nodes)
-    for (const fs::path& file : {node.imageFile, node.textureFile, node.maskFile})
+    for (const fs::path& file : {node.imageFile, node.textureFile, node.maskFile, node.depthFile})
       if (!file.empty()) shareFile(pathInside(scene.folder, file), folder / file);
   saveScene(scene, folder);
 }
