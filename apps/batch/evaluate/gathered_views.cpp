@@ -20,6 +20,7 @@
 #include "base/parallel.h"
 #include "ibr/panorama.h"
 #include "io/image_file.h"
+#include "scene/capture_spacing.h"
 
 namespace ibr::app {
 namespace {
@@ -84,7 +85,7 @@ struct GatheredViews::State {
   std::vector<reference::ComposerPhotograph> photographs() {
     std::vector<Camera> cameras;
     for (const Source& source : sources) cameras.push_back(source.camera);
-    const double spacing = reference::captureSpacing(cameras), residual = residualOf(scene);
+    const double spacing = captureSpacing(cameras), residual = residualOf(scene);
     std::vector<ConsistentDepth> matched(sources.size());
     std::vector<Image8> colours(sources.size());
     pictures.resize(sources.size());

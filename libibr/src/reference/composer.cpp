@@ -15,6 +15,7 @@
 #include "ibr/scene.h"
 #include "image/bilinear.h"
 #include "image/raster.h"
+#include "scene/capture_spacing.h"
 #include "scene/reprojection.h"
 
 namespace ibr::reference {
@@ -282,20 +283,6 @@ struct Colour {
 };
 
 }  // namespace
-
-double captureSpacing(const std::vector<Camera>& cameras) {
-  double extent = 0;
-  for (const Camera& camera : cameras)
-    extent = std::max(extent, glm::distance(camera.pose.position, cameras[0].pose.position));
-  std::vector<double> nearest;
-  for (const Camera& a : cameras) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const Camera& b : cameras)
-      if (const double d = glm::distance(a.pose.position, b.pose.position); d > 1e-6 * extent) best = std::min(best, d);
-    if (std::isfinite(best)) nearest.push_back(best);
-  }
-  return nearest.empty() ? 1.0 : median(std::move(nearest));
-}
 
 Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options)
     : photographs_(std::move(photographs)), options_(options) {

@@ -88,7 +88,4 @@ class Composer {
   double spacing_ = 1, step_ = 0, medianInverseDepth_ = 0;
 };
 
-/// Median distance from a camera to the nearest one at another place; 1 where all are at one place.
-double captureSpacing(const std::vector<Camera>& cameras);
-
 }  // namespace ibr::reference
