@@ -12,7 +12,7 @@
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
 #include "author/backdrop/scene_depth.h"
-#include "author/eval/depth_consistency.h"
+#include "author/depth/depth_consistency.h"
 #include "author/eval/exposed_picture.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/resize.h"

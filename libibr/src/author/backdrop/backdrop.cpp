@@ -50,10 +50,14 @@ glm::ivec2 backdropSize(const Intrinsics& stored) {
 
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
                        const BackdropOptions& options) {
+  return buildBackdrop(stored, inverseDepth, completeDepth(inverseDepth, colours), options);
+}
+
+CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& completed,
+                       const BackdropOptions& options) {
   const Intrinsics& k = stored.intrinsics;
-  const glm::dvec2 scale(double(k.width) / colours.width, double(k.height) / colours.height);
+  const glm::dvec2 scale(double(k.width) / completed.width, double(k.height) / completed.height);
   const double parallaxPx = options.step * std::max(k.fx / scale.x, k.fy / scale.y);  // of inverse depth 1
-  const ImageF completed = completeDepth(inverseDepth, colours);
   const std::vector<Vertex> vertices = pickVertices(completed, parallaxPx, options.spacing);
 
   CellMesh result;

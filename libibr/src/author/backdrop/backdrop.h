@@ -32,4 +32,8 @@ glm::ivec2 backdropSize(const Intrinsics& stored);
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
                        const BackdropOptions& options);
 
+/// The same from depth that was completed before (completeDepth), of the same size.
+CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& completed,
+                       const BackdropOptions& options);
+
 }  // namespace ibr

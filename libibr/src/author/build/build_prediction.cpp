@@ -19,6 +19,7 @@
 #include "base/check.h"
 #include "base/parallel.h"
 #include "base/usage.h"
+#include "image/depth_texture.h"
 #include "io/image_file.h"
 
 namespace ibr {
@@ -65,7 +66,7 @@ double bytesBelow(const fs::path& folder) {
 // By what an earlier build of this scene left, which is taken over or replaced.
 double heldAlready(const BuildOptions& options) {
   double bytes = 0;
-  for (const char* part : {"cells", "images", "textures", "masks", ".build"})
+  for (const char* part : {"cells", "images", "textures", "masks", "depth", ".build"})
     bytes += bytesBelow(options.output / part);
   return bytes;
 }
@@ -106,6 +107,9 @@ class Predictor {
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
+      const glm::ivec2 texels = depthTextureSize(size, k.width);
+      made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
+      depths_ += kDepthBytesPerPixel * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
@@ -187,7 +191,7 @@ class Predictor {
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
-    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_, work_.backdrops);
+    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_ + depths_, work_.backdrops);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);
@@ -205,7 +209,8 @@ class Predictor {
   BuildWork work_;
   // Bytes of one job, at most.
   double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
-  double kept_ = 0;  // bytes of all meshes
+  double kept_ = 0;    // bytes of all meshes
+  double depths_ = 0;  // bytes of all photographs' depth and evidence
   BuildPrediction made_;
 };
 

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 
+#include "author/backdrop/backdrop.h"
 #include "author/build/backdrop_maker.h"
 #include "author/build/build_input.h"
 #include "author/build/build_prediction.h"
@@ -14,6 +16,7 @@
 #include "author/build/find_movers.h"
 #include "author/build/own_tracks.h"
 #include "author/build/pose_rounds.h"
+#include "author/depth/photograph_depth.h"
 #include "author/exposure/exposure.h"
 #include "author/exposure/vignetting.h"
 #include "author/geometry/posed_model.h"
@@ -346,20 +349,49 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
+  // Of all pinholes, in the order of the photographs.
+  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker, std::size_t pinholes) const {
+    double pixels = 0;
+    for (const Photograph& photo : input_.photographs) {
+      const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+      if (!isPanorama(photo)) pixels = std::max(pixels, double(size.x) * size.y);
+    }
+    if (pinholes == 0) return {};
+    std::size_t run = 0;
+    return depthOfPhotographs(
+        scene_,
+        {.points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
+         .depths =
+             [&](std::size_t count, const auto& job) {
+               jobs_.runAll("finding depth", count, maker.bytesOfDepth(), job, kDepthBytesPerPixel * pixels);
+             },
+         .evidence =
+             [&](std::size_t count, const auto& job) {
+               constexpr std::array kStages{"choosing depth sources", "confirming depth", "finding contradictions"};
+               static_assert(kStages.size() == kEvidenceRuns);
+               jobs_.runAll(kStages[run++], count, 1, job);
+             }});
+  }
+
   void makeBackdrops() {
     std::vector<std::uint32_t> pinholes;
     for (std::uint32_t i = 0; i < input_.photographs.size(); ++i)
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_, keys_);
-    std::vector<MadeCell> made(pinholes.size());
+    const std::vector<PhotographDepth> depths = findDepths(maker, pinholes.size());
+    std::vector<MadeBackdrop> made(pinholes.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
-                 [&](std::size_t b) { made[b] = maker.make(pinholes[b]); });
+                 [&](std::size_t b) { made[b] = maker.make(pinholes[b], depths[b]); });
     for (std::size_t b = 0; b < made.size(); ++b) {
-      Cell backdrop{{pinholes[b]}, std::move(made[b].cell.mesh), made[b].cell.quality};
+      Node& node = scene_.nodes[pinholes[b]];
+      node.depthFile = made[b].depthFile;
+      node.depthScale = made[b].depthScale;
+      MadeCell& making = made[b].made;
+      Cell backdrop{{pinholes[b]}, std::move(making.cell.mesh), making.cell.quality};
       cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
       const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
-                                   backdrop.quality.coverage, made[b].seconds, made[b].resumed});
+                                   backdrop.quality.coverage, making.seconds, making.resumed});
       scene_.backdrops.push_back(std::move(backdrop));
     }
   }

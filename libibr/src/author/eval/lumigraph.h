@@ -15,16 +15,11 @@
 #include <span>
 #include <vector>
 
+#include "author/depth/depth_map.h"
 #include "ibr/camera.h"
 #include "ibr/image.h"
 
 namespace ibr {
-
-/// Inverse depth along a pinhole's axis: one channel, `camera` has the map's size; kUnknownDepth where unknown.
-struct DepthMap {
-  Camera camera;
-  ImageF inverseDepth;
-};
 
 /// Inverse depth along the axis of `view`, of its size, in the picture of another depth map; kUnknownDepth where it
 /// shows nothing.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "author/eval/depth_consistency.h"
+#include "author/depth/depth_consistency.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
