@@ -25,5 +25,12 @@ std::vector<std::string> ibr::test::seeds() {
     writeKtx2(folder / "a.ktx2", encodeTexture(buildMips(Image8(13, 6, 3, 77)), format));
     all.push_back(readTextFile(folder / "a.ktx2"));
   }
+  Texture depth;
+  depth.format = TextureFormat::rg16f;
+  depth.width = 5;
+  depth.height = 3;
+  depth.levels.emplace_back(60, std::byte(0x3A));
+  writeKtx2(folder / "a.ktx2", depth);
+  all.push_back(readTextFile(folder / "a.ktx2"));
   return all;
 }

@@ -61,6 +61,8 @@ Cell backdropOf(const Scene& scene, std::uint32_t node) {
   cell.mesh.triangles = {{0, 2, 1}, {1, 2, 3}};
   cell.mesh.tier = {kTierAgrees, kTierAgrees};
   cell.mesh.ecc = {1, 1};
+  cell.mesh.confirmations = {0, 1, 2, 255};
+  cell.mesh.consensus = {0.1f, 0.25f, 0.75f, 1};
   return cell;
 }
 
@@ -87,11 +89,9 @@ Scene withTroubles(Scene scene) {
   empty.mesh.ratio.resize(2);
   scene.cells.push_back(empty);
   scene.backdrops = {backdropOf(scene, 0)};
-  scene.backdrops[0].mesh.confirmations = {0, 1, 2, 255};
-  scene.backdrops[0].mesh.consensus = {0.1f, 0.5f, 0.9f, 1.0f};
+  scene.nodes[1].maskFile = "masks/view1.png";
   scene.nodes[0].depthFile = "depth/view0.ktx2";
   scene.nodes[0].depthScale = 0.25;
-  scene.nodes[1].maskFile = "masks/view1.png";
   scene.settings = R"({"dimension":2,"seed":1})";
   scene.origin = GeographicOrigin{49.45, 11.08, 309.5};
   return scene;
@@ -112,13 +112,11 @@ void writeExampleScene(const fs::path& folder) {
     writeImage(folder / scene.nodes[n].imageFile, made.photographs[n]);
     writeKtx2(folder / scene.nodes[n].textureFile, buildMips(made.photographs[n]));
   }
-  const Intrinsics& k = scene.nodes[0].camera.intrinsics;
-  fs::create_directories(folder / "depth");
-  writeKtx2(folder / scene.nodes[0].depthFile, depthTexture(ImageF(k.width / 4, k.height / 4, 1, 0.25f),
-                                                            ImageF(k.width / 4, k.height / 4, 1, 0.5f), k.width)
-                                                   .texture);
   fs::create_directories(folder / "masks");
   writeImage(folder / scene.nodes[1].maskFile, Image8(64, 96, 1, 255));
+  fs::create_directories(folder / "depth");
+  writeKtx2(folder / scene.nodes[0].depthFile,
+            depthTexture({ImageF(24, 16, 1, float(scene.nodes[0].depthScale)), ImageF(24, 16, 1, 0.5f)}, 96).texture);
   saveScene(scene, folder);
 }
 

@@ -9,7 +9,8 @@
 namespace ibr::test {
 
 /// Pinholes of four sizes and a panorama, far from the origin; cells of 2, 3 and 4 members with both tiers and points
-/// at infinity, one without triangles and one without points; a backdrop; settings and a geographic origin.
+/// at infinity, one without triangles and one without points; a backdrop with evidence; a depth
+/// texture; settings and a geographic origin.
 Scene exampleScene();
 
 /// exampleScene with its photographs and textures, in `folder`.

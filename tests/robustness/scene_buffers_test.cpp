@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "ibr/scene.h"
+#include "image/ktx2.h"
 #include "spoilt_scene.h"
 
 namespace fs = std::filesystem;
@@ -86,6 +87,27 @@ TEST_CASE("values of a buffer are checked, with their place") {
   const auto points = document["accessors"][0]["count"].get<std::uint16_t>();
   poke(document["meshes"][0]["primitives"][0]["indices"].get<int>(), 7, points);
   poke(document["meshes"][0]["primitives"][1]["indices"].get<int>(), 0, std::uint16_t(65535));
+  // Evidence: the backdrop's.
+  const int backdrop = document.at(Json::json_pointer(kExtension + "/backdrops/0/mesh")).get<int>();
+  const std::string backdropAt = "/meshes/" + std::to_string(backdrop) + "/primitives/0/attributes";
+  const Json& evidence = document.at(Json::json_pointer(backdropAt));
+  const std::string consensus = "/accessors/" + std::to_string(evidence["_CONSENSUS"].get<int>()),
+                    confirmations = "/accessors/" + std::to_string(evidence["_CONFIRMATIONS"].get<int>());
+  refuse(confirmations + "/componentType", "5123");
+  refuse(confirmations + "/count", "3");
+  refuse(consensus + "/count", "3");
+  for (const char* attribute : {"_CONSENSUS", "_CONFIRMATIONS"}) refuseWithout(backdropAt + "/" + attribute);
+  const std::size_t buffer =
+      document["bufferViews"][document.at(Json::json_pointer(consensus + "/bufferView")).get<std::size_t>()]["buffer"];
+  const fs::path file = example().folder / document["buffers"][buffer]["uri"].get<std::string>();
+  const std::vector<std::byte> kept = readFile(file);
+  for (const float wrong : {nan, -0.25f, 1.25f}) {
+    std::vector<std::byte> bytes = kept;
+    std::memcpy(&bytes.at(start(evidence["_CONSENSUS"].get<int>()) + 2 * sizeof wrong), &wrong, sizeof wrong);
+    writeFile(file, bytes);
+    CHECK_THAT(refusal(example().folder.path(), consensus).message, Catch::Contains("element 2"));
+  }
+  writeFile(file, kept);
   // A swapped member shows in the derived positions.
   Json swapped = document;
   swapped.at(Json::json_pointer(kExtension + "/cells/1/members")) = {0, 2, 1};
@@ -125,7 +147,8 @@ TEST_CASE("a buffer file that is cut, missing or no file is named") {
 TEST_CASE("references stay inside the scene's folder", "[P1]") {
   fs::create_directory_symlink("/etc", example().folder / "link");
   for (const std::string pointer :
-       {"/buffers/0/uri", "/images/0/uri", "/extensions/IBR_image_graph/photographs/0/texture/uri"})
+       {"/buffers/0/uri", "/images/0/uri", "/extensions/IBR_image_graph/photographs/0/texture/uri",
+        "/extensions/IBR_image_graph/photographs/0/depth/uri"})
     for (const std::string uri :
          {"../x", "cells/../../x", "/etc/passwd", "file:///etc/passwd", "http://localhost/x", "data:,x", "link/passwd",
           "%2e%2e/x", "..%2Fx", "%2Fetc%2Fpasswd", "", ".", "a%00b", "a%2", "C:\\x", "..\\x"})
@@ -165,6 +188,33 @@ TEST_CASE("textures that are missing or do not match are found by validation") {
   fs::remove(photograph);
   found(kExtension + "/photographs/2/image", "view2.png");
   writeFile(photograph, picture);
+  const fs::path depth = example().folder / "depth/view0.ktx2";
+  const std::vector<std::byte> goodDepth = readFile(depth);
+  const std::string depthPlace = kExtension + "/photographs/0/depth";
+  writeKtx2(texture, readKtx2(depth));
+  {
+    const std::vector<Fault> faults = validateSceneFiles(example().folder.path());
+    REQUIRE(faults.size() == 2);  // of its size, too
+    for (const Fault& fault : faults) CHECK(fault.field == place);
+    CHECK_THAT(faults[1].message, Catch::Contains("view1.ktx2 holds depth"));
+  }
+  writeFile(texture, good);
+  fs::remove(depth);
+  found(depthPlace, "view0.ktx2");
+  writeFile(depth, good);
+  found(depthPlace, "rgba8");
+  Texture wrong;
+  wrong.format = TextureFormat::rg16f;
+  wrong.width = wrong.height = 2;
+  wrong.levels = {std::vector<std::byte>(16), std::vector<std::byte>(4)};
+  writeKtx2(depth, wrong);
+  found(depthPlace, "2 levels");
+  wrong.width = 97;
+  wrong.height = 1;
+  wrong.levels = {std::vector<std::byte>(97 * 4)};
+  writeKtx2(depth, wrong);
+  found(depthPlace, "larger than its photograph");
+  writeFile(depth, goodDepth);
   Json without = example().document;
   without.at(Json::json_pointer(kExtension + "/photographs/0")).erase("texture");
   example().write(without);

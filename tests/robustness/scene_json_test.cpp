@@ -36,7 +36,8 @@ TEST_CASE("whole numbers are whole, in range, and numbers") {
   for (const std::string pointer : {"/accessors/0/bufferView", "/bufferViews/0/buffer"}) refuse(pointer, "4294967296");
   refuse("/extensions/IBR_image_graph/cells/0/members/1", "4294967297");
   refuse("/extensions/IBR_image_graph/photographs/1/camera/width", "4294967360");
-  refuse("/extensions/IBR_image_graph/version", "2");
+  refuse("/extensions/IBR_image_graph/version", "1");
+  refuse("/extensions/IBR_image_graph/version", "3");
   refuse("/extensions/IBR_image_graph/version", "0");
 }
 
@@ -67,6 +68,8 @@ TEST_CASE("numbers are numbers, finite and in range", "[P2][N16]") {
   refuse(quality + "residualPx", "-0.01");
   for (const std::string value : {"0", "-1", "4097", "0.0002"}) refuse(kExtension + "/photographs/1/gain/2", value);
   for (const std::string value : {"[1,1]", "[1,1,1,1]", "1"}) refuse(kExtension + "/photographs/1/gain", value);
+  for (const std::string value : {"0", "-0.25", "\"1\"", "null"})
+    refuse(kExtension + "/photographs/0/depth/scale", value);
   const std::string capture = kExtension + "/photographs/1/capture";
   for (const std::string number : {"exposureTime", "fNumber", "iso"})
     for (const std::string value : {"0", "-1", "\"1\""}) refuse(capture + "/" + number, value);
@@ -106,6 +109,8 @@ TEST_CASE("what must be there is there") {
                                     "/extensions/IBR_image_graph/photographs/0/camera/cy",
                                     "/extensions/IBR_image_graph/photographs/0/texture/uri",
                                     "/extensions/IBR_image_graph/photographs/1/mask/uri",
+                                    "/extensions/IBR_image_graph/photographs/0/depth/uri",
+                                    "/extensions/IBR_image_graph/photographs/0/depth/scale",
                                     "/extensions/IBR_image_graph/cells/0/members",
                                     "/extensions/IBR_image_graph/cells/0/tiers",
                                     "/extensions/IBR_image_graph/cells/0/ecc",
@@ -191,7 +196,7 @@ TEST_CASE("keys stand once, and nesting has an end", "[P1]") {
     return r.message;
   };
   CHECK_THAT(twice("{", R"("asset":{},)"), Catch::Contains("asset"));
-  CHECK_THAT(twice(R"("IBR_image_graph":{)", R"("version":1,)"), Catch::Contains("/extensions/IBR_image_graph"));
+  CHECK_THAT(twice(R"("IBR_image_graph":{)", R"("version":2,)"), Catch::Contains("/extensions/IBR_image_graph"));
   for (const auto& [open, close] : {std::pair{"[", "]"}, std::pair{"{\"a\":", "}"}}) {
     std::string deep;
     for (int i = 0; i < 1'000'000; ++i) deep += open;

@@ -39,6 +39,10 @@ TEST_CASE("scenes that cannot be written are refused, and nothing is left") {
   refused(ErrorCode::invalidInput, "nodes[0].imageFile");
   scene.nodes[0].textureFile = "../textures/view0.ktx2";
   refused(ErrorCode::invalidInput, "nodes[0].textureFile");
+  scene.nodes[0].depthFile = "../depth/view0.ktx2";
+  refused(ErrorCode::invalidInput, "nodes[0].depthFile");
+  scene.cells[0].mesh.confirmations = {1};
+  refused(ErrorCode::invalidInput, "cells[0].mesh.confirmations");
   writeFile(folder / "file", "x");
   CHECK_THROWS_AS(saveScene(scene, folder / "file/scene"), Error);
   // File names are bytes: they need not be UTF-8.

@@ -4,7 +4,8 @@
 import schema_check
 
 BREAKS = [
-    lambda e: e.update(version=2),
+    lambda e: e.update(version=1),
+    lambda e: e.update(version=3),
     lambda e: e.pop("photographs"),
     lambda e: e.update(acquisition="somehow"),
     lambda e: e["origin"].pop("heightMetres"),
@@ -22,6 +23,11 @@ BREAKS = [
     lambda e: e["photographs"][1].update(gain=[1, 1, 4097]),
     lambda e: e["photographs"][1]["capture"].update(iso=0),
     lambda e: e["photographs"][1]["capture"].update(model=1),
+    lambda e: e["photographs"][0]["depth"].pop("uri"),
+    lambda e: e["photographs"][0]["depth"].pop("scale"),
+    lambda e: e["photographs"][0]["depth"].update(uri="../depth/view0.ktx2:"),
+    lambda e: e["photographs"][0]["depth"].update(scale=0),
+    lambda e: e["photographs"][0]["depth"].update(scale="1"),
     lambda e: e["cells"][0].update(members=[0]),
     lambda e: e["cells"][0].update(members=[0, 0]),
     lambda e: e["cells"][0].update(members=[0, 1, 2, 3, 4]),

@@ -70,12 +70,22 @@ std::vector<TextureFormat> formatsOf(const Scene& scene, const Context& context)
   }
 }
 
+// 0 where they cannot be read.
+std::uint64_t depthBytesOf(const Scene& scene, const Context& context) {
+  try {
+    return depthTextureBytes(scene);
+  } catch (const Error& e) {
+    context.say(LogLevel::warning, "depth textures are not counted: {}", e.what());
+    return 0;
+  }
+}
+
 struct Summary {
   std::array<std::size_t, 5> cellsByMembers{};
   std::size_t points = 0, pointsAtInfinity = 0, triangles = 0, tier0 = 0;
   std::size_t backdropPoints = 0, backdropTriangles = 0;
-  std::size_t backdropVertices = 0, confirmed = 0;  // of backdrops with evidence; those that other photographs confirm
-  double backdropKnown = 0;                         // mean share of their depths that was matched
+  double backdropKnown = 0;                     // mean share of their depths that was matched
+  std::size_t withEvidence = 0, confirmed = 0;  // points of backdrops: that have evidence, that a photograph confirms
   std::map<std::pair<int, int>, std::size_t> sizes;
 };
 
@@ -91,9 +101,9 @@ Summary summarise(const Scene& scene) {
   for (const Cell& backdrop : scene.backdrops) {
     summary.backdropPoints += backdrop.mesh.pointCount();
     summary.backdropTriangles += backdrop.mesh.triangles.size();
-    summary.backdropVertices += backdrop.mesh.confirmations.size();
-    summary.confirmed +=
-        std::size_t(std::ranges::count_if(backdrop.mesh.confirmations, [](std::uint8_t count) { return count > 0; }));
+    const auto& counts = backdrop.mesh.confirmations;
+    summary.withEvidence += counts.size();
+    summary.confirmed += counts.size() - std::size_t(std::ranges::count(counts, std::uint8_t(0)));
     summary.backdropKnown += backdrop.quality.coverage / double(scene.backdrops.size());
   }
   for (const Node& node : scene.nodes) ++summary.sizes[{node.camera.intrinsics.width, node.camera.intrinsics.height}];
@@ -176,8 +186,8 @@ ExitCode showScene(const Options& options, const Context& context) {
   const Scene scene = loadScene(options.scene);
   const Summary summary = summarise(scene);
   const std::vector<TextureFormat> formats = formatsOf(scene, context);
-  Memory predicted = memoryDemand(scene, formats);
-  predicted.depth = depthTextureBytes(scene);
+  const std::uint64_t depthBytes = depthBytesOf(scene, context);
+  const Memory predicted = memoryDemand(scene, formats, depthBytes);
   const std::optional<Memory> measured = measuredMemory(scene, predicted.sum(), context);
 
   Json report{{"scene", options.scene},
@@ -231,18 +241,17 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (!scene.backdrops.empty())
     context.print(": {} points, {} triangles, {}; {:.0f} % of their depth was matched", summary.backdropPoints,
                   summary.backdropTriangles, bytesText(double(backdropBytes)), 100 * summary.backdropKnown);
-  if (summary.backdropVertices > 0)
-    context.print("; others confirm {:.0f} % of their vertices",
-                  100.0 * double(summary.confirmed) / double(summary.backdropVertices));
+  const double confirmed =
+      summary.withEvidence > 0 ? double(summary.confirmed) / double(summary.withEvidence) : std::nan("");
+  if (summary.withEvidence > 0) context.print(", {:.0f} % of their points confirmed", 100 * confirmed);
+  const auto depths = std::ranges::count_if(scene.nodes, [](const Node& node) { return !node.depthFile.empty(); });
+  context.print("\ndepth        {}", depths);
+  if (depths > 0) context.print(" textures, {}", bytesText(double(depthBytes)));
   context.print("\n");
-  report["backdrops"] = {
-      {"count", scene.backdrops.size()},
-      {"points", summary.backdropPoints},
-      {"triangles", summary.backdropTriangles},
-      {"bytes", backdropBytes},
-      {"known", summary.backdropKnown},
-      {"confirmed",
-       summary.backdropVertices > 0 ? Json(double(summary.confirmed) / double(summary.backdropVertices)) : Json()}};
+  report["backdrops"] = {{"count", scene.backdrops.size()},        {"points", summary.backdropPoints},
+                         {"triangles", summary.backdropTriangles}, {"bytes", backdropBytes},
+                         {"known", summary.backdropKnown},         {"confirmed", confirmed}};
+  report["depth"] = {{"textures", depths}, {"bytes", depthBytes}};
 
   const auto memoryJson = [](const Memory& memory) {
     return Json{{"positions", memory.positions},
@@ -251,9 +260,9 @@ ExitCode showScene(const Options& options, const Context& context) {
                 {"depth", memory.depth}};
   };
   const auto memoryLine = [&](const char* label, const Memory& memory) {
-    context.print("{}{}: {} photographs, {} depths, {} vertices, {} indices\n", label, bytesText(double(memory.sum())),
-                  bytesText(double(memory.textures)), bytesText(double(memory.depth)),
-                  bytesText(double(memory.positions)), bytesText(double(memory.indices)));
+    context.print("{}{}: {} photographs, {} vertices, {} indices, {} depth\n", label, bytesText(double(memory.sum())),
+                  bytesText(double(memory.textures)), bytesText(double(memory.positions)),
+                  bytesText(double(memory.indices)), bytesText(double(memory.depth)));
   };
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);

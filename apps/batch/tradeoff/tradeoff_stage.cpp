@@ -160,7 +160,7 @@ MemoryDemand TradeoffStage::predicted(const TradeoffWay& way) const {
     else if (software || !device_.samplesBlocks())
       formats[n] = TextureFormat::rgba8;  // BlockTextures::automatic
   }
-  return memoryDemand(scene(way), formats);
+  return memoryDemand(scene(way), formats, depthTextureBytes(scene(way)));
 }
 
 bool hasPlainTextures(const Scene& scene) {

@@ -2,59 +2,89 @@
 #include "image/depth_texture.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <cstring>
-#include <glm/gtc/packing.hpp>
+#include <limits>
+#include <span>
 
 #include "base/check.h"
+#include "image/half_float.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kPhotographPixels = 4;  // of a texel's side
+constexpr double kTexelPx = 4;  // px of the photograph
+
+struct Texel {
+  std::uint16_t inverseDepth, consensus;
+};
+static_assert(sizeof(Texel) == 4);
+
+bool isIn(const ImageF& map, float low, float high) {
+  return std::ranges::all_of(map.values, [&](float v) { return std::isfinite(v) && v >= low && v <= high; });
+}
 
 }  // namespace
 
-DepthTexture depthTexture(const ImageF& inverseDepth, const ImageF& consensus, int photographWidth) {
-  assert(inverseDepth.values.size() == consensus.values.size() && !inverseDepth.empty());
-  const int block = std::max(1, int(std::lround(kPhotographPixels * inverseDepth.width / photographWidth)));
+int depthBlockSide(int mapWidth, int photographWidth) {
+  return std::max(1, int(std::lround(kTexelPx * mapWidth / photographWidth)));
+}
+
+glm::ivec2 depthTextureSize(glm::ivec2 mapSize, int photographWidth) {
+  const int block = depthBlockSide(mapSize.x, photographWidth);
+  return {(mapSize.x + block - 1) / block, (mapSize.y + block - 1) / block};
+}
+
+DepthTexture depthTexture(const DepthMaps& maps, int photographWidth) {
+  const ImageF &depth = maps.inverseDepth, &consensus = maps.consensus;
+  check(!depth.empty() && depth.channels == 1 && consensus.channels == 1 && depth.width == consensus.width &&
+            depth.height == consensus.height,
+        ErrorCode::invalidInput, "depth maps are {}x{} and {}x{}, not of one size with one channel", depth.width,
+        depth.height, consensus.width, consensus.height);
+  check(isIn(depth, 0, std::numeric_limits<float>::max()) && isIn(consensus, 0, 1), ErrorCode::invalidInput,
+        "depth maps: an inverse depth is negative or not finite, or a consensus is not within 0 to 1");
+  const int block = depthBlockSide(depth.width, photographWidth);
+  const glm::ivec2 size = depthTextureSize({depth.width, depth.height}, photographWidth);
+  const float largest = *std::ranges::max_element(depth.values);
   DepthTexture result;
-  Texture& texture = result.texture;
-  texture.format = TextureFormat::rg16f;
-  texture.width = (inverseDepth.width + block - 1) / block;
-  texture.height = (inverseDepth.height + block - 1) / block;
-  const float largest = *std::max_element(inverseDepth.values.begin(), inverseDepth.values.end());
   if (largest > 0) result.scale = double(largest);
-  std::vector<std::byte>& bytes =
-      texture.levels.emplace_back(textureBytes(texture.format, texture.width, texture.height));
-  for (int y = 0; y < texture.height; ++y)
-    for (int x = 0; x < texture.width; ++x) {
-      float rho = -1, agreed = 0;
-      for (int v = y * block; v < std::min((y + 1) * block, inverseDepth.height); ++v)
-        for (int u = x * block; u < std::min((x + 1) * block, inverseDepth.width); ++u)
-          if (const float here = inverseDepth.pixel(u, v)[0]; here > rho) {
-            rho = here;
-            agreed = consensus.pixel(u, v)[0];
-          }
-      const std::uint16_t texel[2]{glm::packHalf1x16(float(double(rho) / result.scale)), glm::packHalf1x16(agreed)};
-      std::memcpy(&bytes[sizeof texel * (std::size_t(y) * std::size_t(texture.width) + std::size_t(x))], texel,
-                  sizeof texel);
+  result.texture.format = TextureFormat::rg16f;
+  result.texture.width = size.x;
+  result.texture.height = size.y;
+  std::vector<Texel> texels;
+  for (int v = 0; v < size.y; ++v)
+    for (int u = 0; u < size.x; ++u) {
+      float most = -1, its = 0;
+      for (int y = v * block; y < std::min((v + 1) * block, depth.height); ++y)
+        for (int x = u * block; x < std::min((u + 1) * block, depth.width); ++x)
+          if (const float here = depth.pixel(x, y)[0]; here > most) most = here, its = consensus.pixel(x, y)[0];
+      texels.push_back({toHalf(float(double(most) / result.scale)), toHalf(its)});
     }
+  const auto bytes = std::as_bytes(std::span(texels));
+  result.texture.levels.emplace_back(bytes.begin(), bytes.end());
   return result;
 }
 
-DepthMaps depthMaps(const Texture& texture, double scale) {
-  check(texture.format == TextureFormat::rg16f && texture.levels.size() == 1 &&
+DepthMaps readDepthTexture(const Texture& texture, double scale) {
+  check(texture.format == TextureFormat::rg16f, ErrorCode::invalidInput, "a depth texture is in {}, not rg16f",
+        textureFormatName(texture.format));
+  check(texture.levels.size() == 1, ErrorCode::invalidInput, "a depth texture has {} levels, not 1",
+        texture.levels.size());
+  check(texture.width > 0 && texture.height > 0 &&
             texture.levels[0].size() == textureBytes(texture.format, texture.width, texture.height),
-        ErrorCode::invalidInput, "a depth texture has format {} and {} levels, not rg16f and one",
-        textureFormatName(texture.format), texture.levels.size());
+        ErrorCode::invalidInput, "a depth texture of {}x{} has {} bytes", texture.width, texture.height,
+        texture.levels[0].size());
+  check(scale > 0 && std::isfinite(scale), ErrorCode::invalidInput, "the scale of a depth texture, {}, is not positive",
+        scale);
   DepthMaps maps{ImageF(texture.width, texture.height, 1), ImageF(texture.width, texture.height, 1)};
   for (std::size_t at = 0; at < maps.inverseDepth.values.size(); ++at) {
-    std::uint16_t texel[2];
-    std::memcpy(texel, &texture.levels[0][sizeof texel * at], sizeof texel);
-    maps.inverseDepth.values[at] = float(double(glm::unpackHalf1x16(texel[0])) * scale);
-    maps.consensus.values[at] = glm::unpackHalf1x16(texel[1]);
+    Texel texel;
+    std::memcpy(&texel, &texture.levels[0][at * sizeof texel], sizeof texel);
+    const double depth = double(fromHalf(texel.inverseDepth)) * scale, consensus = double(fromHalf(texel.consensus));
+    check(std::isfinite(float(depth)) && depth >= 0 && consensus >= 0 && consensus <= 1, ErrorCode::invalidInput,
+          "texel {} of a depth texture: inverse depth {} or consensus {} is out of range", at, depth, consensus);
+    maps.inverseDepth.values[at] = float(depth);
+    maps.consensus.values[at] = float(consensus);
   }
   return maps;
 }

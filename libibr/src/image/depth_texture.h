@@ -1,26 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a photograph and the consensus about it as a texture (Node::depthFile).
+// Depth textures (Node::depthFile): ρ and consensus of a photograph at about a quarter of its sides, two half floats a
+// texel.
 #pragma once
+
+#include <glm/vec2.hpp>
 
 #include "ibr/image.h"
 #include "ibr/texture.h"
 
 namespace ibr {
 
-struct DepthTexture {
-  Texture texture;   // rg16f, one level: ρ / scale, consensus
-  double scale = 1;  // the largest ρ; 1 where all is at infinity
-};
-
-/// Two maps of one size, one channel each, that cover a photograph of `photographWidth` px: ρ >= 0, consensus 0 to 1.
-/// They are reduced to about a quarter of the photograph's sides, never enlarged: of each block the largest ρ and its
-/// consensus.
-DepthTexture depthTexture(const ImageF& inverseDepth, const ImageF& consensus, int photographWidth);
-
+/// Depth of a photograph. Two maps of one size, one channel each, that cover the photograph.
 struct DepthMaps {
-  ImageF inverseDepth, consensus;
+  ImageF inverseDepth;  // ρ, 1 / world unit, >= 0
+  ImageF consensus;     // a, 0 to 1 (MorphMesh::consensus)
 };
-/// The inverse. Throws Error{invalidInput} unless it is rg16f with one level.
-DepthMaps depthMaps(const Texture& texture, double scale);
+
+struct DepthTexture {
+  Texture texture;   // TextureFormat::rg16f, one level
+  double scale = 1;  // Node::depthScale: the largest ρ of the maps, 1 where all is at infinity
+};
+
+/// Side of the blocks of map pixels that become one texel, so that a texel is about 4 px of the photograph; at least 1.
+int depthBlockSide(int mapWidth, int photographWidth);
+
+/// Texels of a depth texture made from maps of that size.
+glm::ivec2 depthTextureSize(glm::ivec2 mapSize, int photographWidth);
+
+/// A texel has the largest ρ of its block, since occlusion is judged by it, and the consensus of the same pixel (the
+/// first in rows where several are equal). Rounded to the nearest half float, ties to even. Throws Error{invalidInput}
+/// for maps that are empty, of different sizes, not finite, or out of range.
+DepthTexture depthTexture(const DepthMaps& maps, int photographWidth);
+
+/// The inverse, at the texture's size. Throws Error{invalidInput} for another format, more than one level, a scale that
+/// is not finite and positive, or values that are negative or not finite.
+DepthMaps readDepthTexture(const Texture& texture, double scale);
 
 }  // namespace ibr

@@ -33,10 +33,10 @@ constexpr std::uint32_t kMostLevels = 17;
 // What the file says of a format: Vulkan's numbers, and those of the Khronos Data Format Specification 1.3.
 struct FileFormat {
   TextureFormat format;
-  std::uint32_t srgb, unorm;  // VkFormat; files that libibr writes say srgb. Floats have one number
+  std::uint32_t written, alsoRead;  // VkFormat: sRGB and UNORM of photographs, one of depth
   std::uint32_t colourModel;
   std::uint32_t blockSide, blockBytes;
-  std::uint32_t typeSize;  // bytes of a number, 1 for blocks
+  std::uint32_t typeSize;  // bytes of a number, as the byte order concerns them
 };
 constexpr FileFormat kFormats[]{
     {TextureFormat::rgba8, 43, 37, 1, 1, 4, 1},
@@ -51,7 +51,7 @@ const FileFormat& formatOf(TextureFormat format) {
 
 const FileFormat* formatOf(std::uint32_t vkFormat) {
   const auto* found =
-      std::ranges::find_if(kFormats, [&](const auto& f) { return f.srgb == vkFormat || f.unorm == vkFormat; });
+      std::ranges::find_if(kFormats, [&](const auto& f) { return f.written == vkFormat || f.alsoRead == vkFormat; });
   return found == std::end(kFormats) ? nullptr : found;
 }
 
@@ -69,15 +69,15 @@ struct Level {
 };
 static_assert(sizeof(Level) == 24);
 
-// The basic descriptor of a format: of pictures with the sRGB transfer function, of floats with a linear one.
+// The basic descriptor of a format: photographs have the sRGB transfer function, depth is linear.
 std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
   constexpr std::uint32_t kVersion = 2, kPrimariesBt709 = 1, kTransferLinear = 1, kTransferSrgb = 2, kAlpha = 15,
-                          kLinear = 0x10, kSignedFloat = 0xC0;
-  const bool blocks = format.blockSide > 1, floats = format.typeSize == 2;
-  const std::uint32_t transfer = floats ? kTransferLinear : kTransferSrgb;
-  const std::uint32_t samples = blocks   ? 1
-                                : floats ? 2
-                                         : 4,
+                          kLinear = 0x10, kSigned = 0x40, kFloat = 0x80;
+  const bool blocks = format.blockSide > 1, halfFloats = format.format == TextureFormat::rg16f;
+  const std::uint32_t transfer = halfFloats ? kTransferLinear : kTransferSrgb;
+  const std::uint32_t samples = blocks       ? 1
+                                : halfFloats ? 2
+                                             : 4,
                       blockBytes = 24 + 16 * samples, side = format.blockSide - 1;
   std::vector<std::uint32_t> words{4 + blockBytes,
                                    0,
@@ -87,22 +87,22 @@ std::vector<std::uint32_t> formatDescriptor(const FileFormat& format) {
                                    format.blockBytes,
                                    0};
   // Word by word: inserting a list, GCC 12 at -O3 warns of a write beyond what was allocated, which there is not.
-  const auto addSample = [&words](std::uint32_t placeAndChannel, std::uint32_t upper, std::uint32_t lower = 0) {
+  const auto addSample = [&words](std::uint32_t placeAndChannel, std::uint32_t lower, std::uint32_t upper) {
     for (const std::uint32_t word : {placeAndChannel, 0u, lower, upper}) words.push_back(word);
   };
   if (blocks) {  // colour as a whole
-    addSample((8 * format.blockBytes - 1) << 16, 0xFFFFFFFF);
+    addSample((8 * format.blockBytes - 1) << 16, 0, 0xFFFFFFFF);
     return words;
   }
-  if (floats) {
+  if (halfFloats) {
     for (std::uint32_t c = 0; c < samples; ++c)
-      addSample(16 * c | 15u << 16 | (c | kSignedFloat) << 24, std::bit_cast<std::uint32_t>(1.0f),
-                std::bit_cast<std::uint32_t>(-1.0f));
+      addSample(16 * c | 15u << 16 | (c | kSigned | kFloat) << 24, std::bit_cast<std::uint32_t>(-1.0f),
+                std::bit_cast<std::uint32_t>(1.0f));
     return words;
   }
   for (std::uint32_t c = 0; c < samples; ++c) {
     const std::uint32_t channel = c < 3 ? c : kAlpha | kLinear;
-    addSample(8 * c | 7u << 16 | channel << 24, 255);
+    addSample(8 * c | 7u << 16 | channel << 24, 0, 255);
   }
   return words;
 }
@@ -155,7 +155,8 @@ Checked parse(std::span<const std::byte> start, std::uint64_t fileBytes, const f
             "only R8G8B8A8 (43, 37), BC1_RGB (132, 131) and BC7 (146, 145), SRGB and UNORM, and R16G16_SFLOAT (83) are "
             "read");
   result.format = format->format;
-  demand(h.typeSize == format->typeSize, "typeSize", h.typeSize, "does not fit the format");
+  demand(h.typeSize == format->typeSize, "typeSize", h.typeSize,
+         format->typeSize == 1 ? "is not 1" : "is not 2, that of half floats");
   demand(h.width >= 1 && h.width <= kLargestSide, "pixelWidth", h.width, "is not within 1 to 65536");
   demand(h.height >= 1 && h.height <= kLargestSide, "pixelHeight", h.height, "is not within 1 to 65536");
   supported(h.depth == 0, "pixelDepth", h.depth, "only 2D textures are read");
@@ -208,7 +209,7 @@ void writeKtx2(const fs::path& path, const Texture& texture) {
         texture.height);
   const FileFormat& format = formatOf(texture.format);
   Header header;
-  header.vkFormat = format.srgb;
+  header.vkFormat = format.written;
   header.typeSize = format.typeSize;
   header.width = std::uint32_t(texture.width);
   header.height = std::uint32_t(texture.height);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked textures as KTX 2.0 files (Khronos specification 2.0.4): one picture with its mip chain, RGBA8, BC1 or BC7.
+// Baked textures as KTX 2.0 files (Khronos specification 2.0.4): one picture with its mip chain, RGBA8, BC1 or BC7, or
+// the depth of a photograph as two half floats (VK_FORMAT_R16G16_SFLOAT, linear).
 //
-// The file says VK_FORMAT_R8G8B8A8_SRGB, BC1_RGB_SRGB_BLOCK or BC7_SRGB_BLOCK, which is what the values are:
-// display-encoded. The renderer samples them as they are (UNORM), since the papers blend display-encoded values. Files
-// that say UNORM are read too.
+// The file of a picture says VK_FORMAT_R8G8B8A8_SRGB, BC1_RGB_SRGB_BLOCK or BC7_SRGB_BLOCK, which is what the values
+// are: display-encoded. The renderer samples them as they are (UNORM), since the papers blend display-encoded values.
+// Files that say UNORM are read too.
 #pragma once
 
 #include <cstdint>

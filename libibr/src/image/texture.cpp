@@ -12,6 +12,10 @@
 namespace ibr {
 namespace {
 
+bool isBlocks(TextureFormat format) noexcept {
+  return format == TextureFormat::bc1 || format == TextureFormat::bc7;
+}
+
 std::size_t blockBytes(TextureFormat format) noexcept {
   return format == TextureFormat::bc1 ? kBc1BlockBytes : kBc7BlockBytes;
 }
@@ -45,6 +49,8 @@ Image8 decodeLevel(const std::vector<std::byte>& bytes, TextureFormat format, in
   check(bytes.size() == textureBytes(format, width, height), ErrorCode::invalidInput,
         "a texture level of {}x{} in {} has {} bytes, not {}", width, height, textureFormatName(format), bytes.size(),
         textureBytes(format, width, height));
+  check(format != TextureFormat::rg16f, ErrorCode::unsupported,
+        "a texture in rg16f holds depth, not a picture; read it with readDepthTexture");
   Image8 image(width, height, 4);
   if (format == TextureFormat::rgba8) {
     std::memcpy(image.values.data(), bytes.data(), bytes.size());
@@ -91,9 +97,7 @@ const char* textureFormatName(TextureFormat format) noexcept {
 
 std::uint64_t textureBytes(TextureFormat format, int width, int height) noexcept {
   const auto w = std::uint64_t(width), h = std::uint64_t(height);
-  return format == TextureFormat::rgba8 || format == TextureFormat::rg16f
-             ? 4 * w * h
-             : (w + 3) / 4 * ((h + 3) / 4) * blockBytes(format);
+  return isBlocks(format) ? (w + 3) / 4 * ((h + 3) / 4) * blockBytes(format) : 4 * w * h;
 }
 
 Texture::Texture(const std::vector<Image8>& rgba) : Texture(encodeTexture(rgba, TextureFormat::rgba8)) {}
@@ -110,7 +114,8 @@ Texture smallerLevels(const Texture& texture, int firstLevel) {
 }
 
 Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format) {
-  check(format != TextureFormat::rg16f, ErrorCode::invalidInput, "rg16f holds depth, no photograph");
+  check(format != TextureFormat::rg16f, ErrorCode::invalidInput,
+        "a picture is not stored in rg16f, which holds depth; choose rgba8, bc7 or bc1");
   checkChain(rgba);
   Texture texture;
   texture.format = format;
@@ -129,7 +134,6 @@ Texture encodeTexture(const std::vector<Image8>& rgba, TextureFormat format) {
 }
 
 std::vector<Image8> decodeTexture(const Texture& texture) {
-  check(texture.format != TextureFormat::rg16f, ErrorCode::unsupported, "rg16f holds depth, no photograph");
   std::vector<Image8> levels;
   for (std::size_t l = 0; l < texture.levels.size(); ++l)
     levels.push_back(decodeLevel(texture.levels[l], texture.format, side(texture.width, l), side(texture.height, l)));

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far apart photographs were taken.
 #pragma once
 
 #include <vector>
@@ -9,7 +8,7 @@
 namespace ibr {
 
 /// b: median over the cameras of the distance to the nearest one at another place, world units; 1 where all are at one
-/// place. Precondition: one camera at least.
+/// place. Places less than 1e-6 of the cameras' extent apart are the same.
 double captureSpacing(const std::vector<Camera>& cameras);
 
 }  // namespace ibr

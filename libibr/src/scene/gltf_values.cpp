@@ -49,14 +49,18 @@ Intrinsics intrinsicsOf(const JsonValue& json) {
   return k;
 }
 
-void checkVersion(const JsonValue& json, int newest) {
-  if (const JsonValue version = json["version"]; version.integer(1, INT32_MAX) > newest)
-    version.fault(fmt::format("{} is newer than this library, which reads {}", version.integer(1, INT32_MAX), newest));
+void checkVersion(const JsonValue& json, const ReadVersions& read) {
+  const JsonValue version = json["version"];
+  const auto number = version.integer(1, INT32_MAX);
+  if (number > read.newest)
+    version.fault(fmt::format("{} is newer than this library, which reads {}", number, read.newest));
+  if (number < read.oldest)
+    version.fault(fmt::format("{} is older than this library, which reads {}: {}", number, read.oldest, read.remedy));
 }
 
-JsonValue extensionOf(const GltfDocument& document, const char* name, int newest) {
+JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read) {
   const JsonValue extension = document.root()["extensions"][name];
-  checkVersion(extension, newest);
+  checkVersion(extension, read);
   return extension;
 }
 

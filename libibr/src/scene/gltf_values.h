@@ -23,10 +23,15 @@ glm::dvec3 vector3(const JsonValue& value);
 glm::dquat quaternion(const JsonValue& value);  // of length 1, normalised within 1e-3
 Intrinsics intrinsicsOf(const JsonValue& json);
 
-/// A member "version" that is newer than `newest` is a fault.
-void checkVersion(const JsonValue& json, int newest);
+/// Versions of a document that are read, and what to do about an older one.
+struct ReadVersions {
+  int oldest = 1, newest = 1;
+  const char* remedy = "";
+};
+/// A member "version" outside of `read` is a fault.
+void checkVersion(const JsonValue& json, const ReadVersions& read);
 /// The content of the document's extension of that name, its version checked.
-JsonValue extensionOf(const GltfDocument& document, const char* name, int newest);
+JsonValue extensionOf(const GltfDocument& document, const char* name, const ReadVersions& read);
 
 /// Name and camera of a list's entry with members "node" and "camera".
 struct NamedCamera {

@@ -80,9 +80,11 @@ std::size_t GltfWriter::addBuffer(const std::string& subfolder, const std::strin
   return add("buffers", {{"uri", file}, {"byteLength", bytes.size()}});
 }
 
-std::size_t GltfWriter::addAccessor(Array array, std::size_t count, int component, const char* type, int target) {
+std::size_t GltfWriter::addAccessor(Array array, std::size_t count, int component, const char* type, int target,
+                                    std::size_t stride) {
   Json view{{"buffer", array.buffer}, {"byteOffset", array.offset}, {"byteLength", array.bytes}};
   if (target) view["target"] = target;
+  if (stride) view["byteStride"] = stride;
   return add("accessors", {{"bufferView", add("bufferViews", std::move(view))},
                            {"componentType", component},
                            {"count", count},

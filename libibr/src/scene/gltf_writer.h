@@ -19,9 +19,10 @@ class GltfWriter {
  public:
   using Json = nlohmann::ordered_json;
 
-  static constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;  // component types
-  static constexpr int kVertices = 34962, kIndices = 34963;                        // buffer view targets
-  static constexpr int kPoints = 0, kTriangles = 4;                                // primitive modes
+  static constexpr int kFloat = 5126, kUnsignedByte = 5121, kUnsignedShort = 5123,
+                       kUnsignedInt = 5125;                  // component types
+  static constexpr int kVertices = 34962, kIndices = 34963;  // buffer view targets
+  static constexpr int kPoints = 0, kTriangles = 4;          // primitive modes
 
   /// Buffers are written below `folder` at once.
   explicit GltfWriter(std::filesystem::path folder);
@@ -36,7 +37,9 @@ class GltfWriter {
   struct Array {
     std::size_t buffer, offset, bytes;
   };
-  std::size_t addAccessor(Array array, std::size_t count, int component, const char* type, int target = 0);
+  /// `stride`: bytes from one element to the next, a multiple of 4; 0: they are packed.
+  std::size_t addAccessor(Array array, std::size_t count, int component, const char* type, int target = 0,
+                          std::size_t stride = 0);
 
   /// The smallest and largest of the positions that an accessor holds.
   void addBounds(std::size_t accessor, std::span<const glm::vec3> positions);

@@ -17,7 +17,7 @@ class HtmModelReader {
  public:
   explicit HtmModelReader(const fs::path& file) : gltf_(file) {}
 
-  JsonValue extension() const { return extensionOf(gltf_, kHtmModelExtension, kHtmModelVersion); }
+  JsonValue extension() const { return extensionOf(gltf_, kHtmModelExtension, {.newest = kHtmModelVersion}); }
   const fs::path& folder() const { return gltf_.folder(); }
 
   HtmCamera camera(const JsonValue& entry) const {

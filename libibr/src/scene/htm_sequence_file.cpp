@@ -14,7 +14,7 @@ constexpr int kVersion = 1;
 constexpr double kLargestRate = 1000;
 
 HtmSequenceIndex indexOf(const JsonValue& root, const fs::path& folder) {
-  checkVersion(root, kVersion);
+  checkVersion(root, {.newest = kVersion});
   HtmSequenceIndex index;
   index.fps = within(root["fps"], 0, kLargestRate);
   if (!(index.fps > 0)) root["fps"].fault("is not positive");

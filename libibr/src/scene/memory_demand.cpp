@@ -21,14 +21,16 @@ std::uint64_t bytesWithMips(TextureFormat format, int width, int height) {
 
 }  // namespace
 
-MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats) {
+MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> formats, std::uint64_t depth) {
   assert(formats.size() == scene.nodes.size());
   MemoryDemand demand;
+  demand.depth = depth;
   std::vector<bool> shown(scene.nodes.size(), false);
   for (const std::vector<Cell>* cells : {&scene.cells, &scene.backdrops})
     for (const Cell& cell : *cells) {
       demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
-      if (!cell.mesh.confirmations.empty()) demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.pointCount();
+      if (!cell.mesh.confirmations.empty())  // trust and consensus
+        demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.pointCount();
       demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
       for (const std::uint32_t member : cell.members) shown[member] = true;
     }
@@ -40,22 +42,22 @@ MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> for
   return demand;
 }
 
-std::uint64_t depthTextureBytes(const Scene& scene) {
-  std::uint64_t bytes = 0;
-  for (const Node& node : scene.nodes)
-    if (!node.depthFile.empty()) {
-      const Ktx2Info texture = probeKtx2(scene.folder / node.depthFile);
-      bytes += textureBytes(texture.format, texture.width, texture.height);
-    }
-  return bytes;
-}
-
 std::vector<TextureFormat> textureFormats(const Scene& scene) {
   std::vector<TextureFormat> formats;
   for (const Node& node : scene.nodes)
     formats.push_back(node.textureFile.empty() ? TextureFormat::rgba8
                                                : probeKtx2(scene.folder / node.textureFile).format);
   return formats;
+}
+
+std::uint64_t depthTextureBytes(const Scene& scene) {
+  std::uint64_t bytes = 0;
+  for (const Node& node : scene.nodes) {
+    if (node.depthFile.empty()) continue;
+    const Ktx2Info depth = probeKtx2(scene.folder / node.depthFile);
+    bytes += textureBytes(depth.format, depth.width, depth.height);
+  }
+  return bytes;
 }
 
 }  // namespace ibr

@@ -104,7 +104,10 @@ std::vector<std::byte> encodeMesh(const Scene& scene, const Cell& cell) {
     put(bytes, layout.uncertainty(), p, mesh.uncertainty[p]);
     put(bytes, layout.position(), p, positions[p]);
     if (layout.hasPlanes) put(bytes, layout.planes(), p, mesh.planes[p]);
-    if (layout.hasEvidence) put(bytes, layout.evidence(), p, glm::vec2(mesh.confirmations[p], mesh.consensus[p]));
+    if (layout.hasEvidence) {
+      put(bytes, layout.confirmations(), p, std::uint32_t(mesh.confirmations[p]));  // and the padding
+      put(bytes, layout.consensus(), p, mesh.consensus[p]);
+    }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const int tier = t < layout.tier0 ? 0 : 1;
@@ -143,9 +146,8 @@ MorphMesh decodeMesh(std::span<const std::byte> bytes, const MeshLayout& layout,
     mesh.uncertainty.push_back(get<float>(bytes, layout.uncertainty(), p));
     if (layout.hasPlanes) mesh.planes.push_back(get<glm::u16vec4>(bytes, layout.planes(), p));
     if (layout.hasEvidence) {
-      const auto evidence = get<glm::vec2>(bytes, layout.evidence(), p);
-      mesh.confirmations.push_back(std::uint8_t(std::clamp(evidence.x, 0.0f, 255.0f)));
-      mesh.consensus.push_back(evidence.y);
+      mesh.confirmations.push_back(std::uint8_t(get<std::uint32_t>(bytes, layout.confirmations(), p)));
+      mesh.consensus.push_back(get<float>(bytes, layout.consensus(), p));
     }
   }
   for (int tier = 0; tier < 2; ++tier)

@@ -9,7 +9,9 @@
 //   ecc           a float a triangle
 //   indices       3 a triangle, tier 0 first; 16 bits up to 65,535 points, else 32
 //   _PLANES       4 of 16 bits a point, where the mesh has them
-//   _EVIDENCE     2 floats a point, confirmations and consensus, where the mesh has them
+//   _CONFIRMATIONS  a byte a point and three of padding, since glTF aligns vertex attributes; where the mesh has
+//                   evidence
+//   _CONSENSUS    a float a point, where the mesh has evidence
 #pragma once
 
 #include <cstddef>
@@ -25,6 +27,7 @@ struct MeshLayout {
   std::size_t members = 0, points = 0, tier0 = 0, tier1 = 0;
   bool hasPlanes = false, hasEvidence = false;
 
+  static constexpr std::size_t kConfirmationsStride = 4;  // bytes
   struct Array {
     std::size_t offset = 0, bytes = 0;
   };
@@ -46,8 +49,11 @@ struct MeshLayout {
   Array planes() const {
     return {(indices(1).offset + indices(1).bytes + 3) & ~std::size_t(3), hasPlanes ? points * 8 : 0};
   }
-  Array evidence() const { return {planes().offset + planes().bytes, hasEvidence ? points * 8 : 0}; }
-  std::size_t bytes() const { return evidence().offset + evidence().bytes; }
+  Array confirmations() const {
+    return {planes().offset + planes().bytes, hasEvidence ? points * kConfirmationsStride : 0};
+  }
+  Array consensus() const { return {confirmations().offset + confirmations().bytes, hasEvidence ? points * 4 : 0}; }
+  std::size_t bytes() const { return consensus().offset + consensus().bytes; }
 };
 
 MeshLayout layoutOf(const MorphMesh& mesh);

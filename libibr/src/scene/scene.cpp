@@ -74,7 +74,7 @@ void checkMesh(const MorphMesh& mesh, std::size_t members, const std::string& at
     sized(mesh.confirmations.size(), points, ".confirmations");
     if (sized(mesh.consensus.size(), points, ".consensus"))
       for (std::size_t p = 0; p < points; ++p)
-        if (!(mesh.consensus[p] >= 0 && mesh.consensus[p] <= 1))
+        if (!(mesh.consensus[p] >= 0.0f && mesh.consensus[p] <= 1.0f))
           faults.add(fmt::format("{}.consensus[{}]", at, p), "{} is not within 0 to 1", mesh.consensus[p]);
   }
   for (std::size_t t = 0; t < triangles; ++t) {
@@ -133,8 +133,10 @@ void checkExposure(const Node& node, const std::string& at, Faults& faults) {
 }
 
 void checkDepth(const Node& node, const std::string& at, Faults& faults) {
-  if (node.depthFile.empty() ? node.depthScale != 0 : !(node.depthScale > 0 && std::isfinite(node.depthScale)))
-    faults.add(at + ".depthScale", "{} is not positive with a depthFile, or not 0 without", node.depthScale);
+  if (node.depthFile.empty() && node.depthScale != 0)
+    faults.add(at + ".depthScale", "{} is not 0, but there is no depthFile", node.depthScale);
+  if (!node.depthFile.empty() && !(node.depthScale > 0 && std::isfinite(node.depthScale)))
+    faults.add(at + ".depthScale", "{} is not positive and finite", node.depthScale);
 }
 
 }  // namespace

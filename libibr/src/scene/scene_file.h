@@ -5,8 +5,8 @@
 //                meshes    one a cell: a primitive a tier that is not empty; POINTS where no triangle is
 //                extensions.IBR_image_graph   what glTF has no words for (schema: IBR_image_graph.schema.json)
 //   cells/*.bin  a buffer a cell (scene/mesh_buffer.h); the name ends in a hash of the contents, so that a file is
-//   never
-//                overwritten by other contents
+//                never overwritten by other contents
+//   depth/*.ktx2 a photograph's inverse depth and consensus (image/depth_texture.h), written by the author
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ namespace ibr {
 
 inline constexpr const char* kSceneFileName = "scene.gltf";
 inline constexpr const char* kSceneExtension = "IBR_image_graph";
-inline constexpr int kSceneVersion = 2;
+inline constexpr int kSceneVersion = 2;  // version 1 had no depth of photographs, and is not read
 
 /// Members of a photograph's "capture"; each may be missing.
 inline constexpr std::array kCaptureNumbers{

@@ -27,11 +27,8 @@ class SceneReader {
   explicit SceneReader(const fs::path& file) : gltf_(file) {}
 
   JsonValue extension() const {
-    const JsonValue extension = extensionOf(gltf_, kSceneExtension, kSceneVersion);
-    if (const JsonValue version = extension["version"]; version.integer(1, kSceneVersion) < kSceneVersion)
-      version.fault(fmt::format("{} is older than {}: build the scene again with \"ibr build PHOTOGRAPHS -o SCENE\"",
-                                version.integer(1, kSceneVersion), kSceneVersion));
-    return extension;
+    return extensionOf(gltf_, kSceneExtension,
+                       {kSceneVersion, kSceneVersion, "build the scene again with `ibr build`"});
   }
 
   void facts(Scene& scene) const {
@@ -173,14 +170,13 @@ class SceneReader {
         mesh.planes.push_back(set);
       }
     }
-    if (attributes.has("_EVIDENCE")) {
-      const Accessor evidence = sized(gltf_.accessor(attributes["_EVIDENCE"], "VEC2", {kFloat}));
-      for (const float count : floats(
-               evidence, 0, [](float v) { return v >= 0 && v <= 255 && v == std::floor(v); },
-               "is not a whole number within 0 to 255"))
-        mesh.confirmations.push_back(std::uint8_t(count));
+    if (attributes.has("_CONFIRMATIONS") || attributes.has("_CONSENSUS")) {
+      const Accessor counts =
+          sized(gltf_.accessor(attributes["_CONFIRMATIONS"], "SCALAR", {GltfDocument::kUnsignedByte}));
+      for (std::size_t p = 0; p < points; ++p) mesh.confirmations.push_back(std::uint8_t(counts.index(p)));
       mesh.consensus = floats(
-          evidence, 1, [](float v) { return v >= 0 && v <= 1; }, "is not within 0 to 1");
+          sized(gltf_.accessor(attributes["_CONSENSUS"], "SCALAR", {kFloat})), 0,
+          [](float v) { return v >= 0 && v <= 1; }, "is not within 0 to 1");
     }
     const Accessor position = sized(gltf_.accessor(attributes["POSITION"], "VEC3", {kFloat}));
     const std::vector<glm::vec3> derived = displayPositions(scene, cell);
@@ -244,12 +240,18 @@ Scene readAll(const fs::path& file, FaultSink& sink) {
   return scene;
 }
 
-void checkDepth(const fs::path& file, const std::string& at, FaultSink& sink) {
+void checkDepthFile(const fs::path& folder, const Node& node, const std::string& at, FaultSink& sink) {
+  const std::string name = node.depthFile.string();
+  const Intrinsics& k = node.camera.intrinsics;
   try {
-    const Ktx2Info texture = probeKtx2(file);
-    if (texture.format != TextureFormat::rg16f || texture.levels != 1)
-      sink.add(at, fmt::format("{} is {} with {} levels, not rg16f with one", file.filename().string(),
-                               textureFormatName(texture.format), texture.levels));
+    const Ktx2Info depth = probeKtx2(folder / node.depthFile);
+    if (depth.format != TextureFormat::rg16f)
+      sink.add(at, fmt::format("{} is in {}, not in rg16f", name, textureFormatName(depth.format)));
+    else if (depth.levels != 1)
+      sink.add(at, fmt::format("{} has {} levels, not 1", name, depth.levels));
+    else if (depth.width > k.width || depth.height > k.height)
+      sink.add(at, fmt::format("{} is {}x{}, larger than its photograph of {}x{}", name, depth.width, depth.height,
+                               k.width, k.height));
   } catch (const Error& e) {
     sink.add(at, e.what());
   }
@@ -264,7 +266,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
       sink.add(at + "/image", fmt::format("{} is missing", node.imageFile.string()));
     if (!node.maskFile.empty() && !fs::is_regular_file(scene.folder / node.maskFile, ignored))
       sink.add(at + "/mask", fmt::format("{} is missing", node.maskFile.string()));
-    if (!node.depthFile.empty()) checkDepth(scene.folder / node.depthFile, at + "/depth", sink);
+    if (!node.depthFile.empty()) checkDepthFile(scene.folder, node, at + "/depth", sink);
     if (node.textureFile.empty()) {
       sink.add(at, "has no \"texture\", so nothing of it can be rendered");
       continue;
@@ -278,7 +280,7 @@ void checkFiles(const Scene& scene, FaultSink& sink) {
                  fmt::format("{} is {}x{} with {} levels, the camera {}x{} with {}", node.textureFile.string(),
                              texture.width, texture.height, texture.levels, k.width, k.height, levels));
       if (texture.format == TextureFormat::rg16f)
-        sink.add(at + "/texture", fmt::format("{} is rg16f, which holds depth", node.textureFile.string()));
+        sink.add(at + "/texture", fmt::format("{} holds depth (rg16f), not a photograph", node.textureFile.string()));
       if (!node.maskFile.empty() && texture.format == TextureFormat::bc1)
         sink.add(at + "/texture", fmt::format("{} is BC1, which has no alpha for the mask", node.textureFile.string()));
     } catch (const Error& e) {

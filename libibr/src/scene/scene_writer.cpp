@@ -116,7 +116,12 @@ class Writer {
     if (layout.hasPlanes)
       attributes["_PLANES"] = gltf_.addAccessor(array(layout.planes()), layout.points, GltfWriter::kUnsignedShort,
                                                 "VEC4", GltfWriter::kVertices);
-    if (layout.hasEvidence) attributes["_EVIDENCE"] = vertices(layout.evidence(), "VEC2");
+    if (layout.hasEvidence) {
+      attributes["_CONFIRMATIONS"] =
+          gltf_.addAccessor(array(layout.confirmations()), layout.points, GltfWriter::kUnsignedByte, "SCALAR",
+                            GltfWriter::kVertices, MeshLayout::kConfirmationsStride);
+      attributes["_CONSENSUS"] = vertices(layout.consensus(), "SCALAR");
+    }
 
     Json primitives = Json::array(), tiers = Json::array(), ecc = Json::array();
     for (int tier = 0; tier < 2; ++tier) {

@@ -168,6 +168,34 @@ TEST_CASE("files of blocks: descriptor and alignment") {
   }
 }
 
+TEST_CASE("a file of half floats: descriptor and type size") {
+  // Worked out by hand from the Data Format Specification: two signed floats of 16 bits, linear.
+  const test::TemporaryFolder folder;
+  Texture texture;
+  texture.format = TextureFormat::rg16f;
+  texture.width = 3;
+  texture.height = 2;
+  for (int at = 0; at < 24; ++at) texture.levels.resize(1), texture.levels[0].push_back(std::byte(at));
+  writeKtx2(folder / "a.ktx2", texture);
+  CHECK(readKtx2(folder / "a.ktx2") == texture);
+  CHECK(probeKtx2(folder / "a.ktx2").format == TextureFormat::rg16f);
+  std::vector<std::byte> bytes = readFile(folder / "a.ktx2");
+  CHECK(peek<std::uint32_t>(bytes, 12) == 83);
+  CHECK(peek<std::uint32_t>(bytes, 16) == 2);
+  const auto at = peek<std::uint32_t>(bytes, 48);
+  CHECK(peek<std::uint32_t>(bytes, 52) == 60);
+  const std::uint32_t expected[]{
+      60, 0,          2 | 56u << 16, 1 | 1 << 8 | 1 << 16,         0, 4,          0,         15u << 16 | 0xC0u << 24,
+      0,  0xBF800000, 0x3F800000,    16 | 15u << 16 | 0xC1u << 24, 0, 0xBF800000, 0x3F800000};
+  for (std::size_t i = 0; i < std::size(expected); ++i) {
+    INFO(i);
+    CHECK(peek<std::uint32_t>(bytes, at + 4 * i) == expected[i]);
+  }
+  poke(bytes, 16, 1u);
+  writeFile(folder / "a.ktx2", bytes);
+  CHECK_THROWS_WITH(readKtx2(folder / "a.ktx2"), Catch::Contains("typeSize 1"));
+}
+
 TEST_CASE("a faulty file is refused with file and field", "[P2][N14]") {
   const test::TemporaryFolder folder;
   writeKtx2(folder / "good.ktx2", chain(8, 4));

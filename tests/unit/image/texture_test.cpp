@@ -9,6 +9,8 @@
 #include "image/mips.h"
 #include "io/image_file.h"
 
+#include "support/error_of.h"
+
 using namespace ibr;
 
 namespace {
@@ -34,6 +36,7 @@ TEST_CASE("bytes of a picture") {
   CHECK(textureBytes(TextureFormat::bc7, 5, 3) == 32);
   CHECK(textureBytes(TextureFormat::bc1, 1, 1) == 8);
   CHECK(textureBytes(TextureFormat::bc7, 4, 4) == 16);
+  CHECK(textureBytes(TextureFormat::rg16f, 5, 3) == 60);
   CHECK(textureBytes(TextureFormat::rgba8, 65536, 65536) == std::uint64_t(1) << 34);
 }
 
@@ -82,6 +85,15 @@ TEST_CASE("what does not belong together is refused") {
   texture = encodeTexture(levels, TextureFormat::bc7);
   texture.levels[1][0] = std::byte(1);  // mode 0
   CHECK_THROWS_WITH(decodeTexture(texture), Catch::Contains("mode 6"));
+}
+
+TEST_CASE("a picture is neither stored in rg16f nor read from it") {
+  const std::vector<Image8> levels = buildMips(ramps(8, 4));
+  CHECK(test::errorOf([&] { encodeTexture(levels, TextureFormat::rg16f); }).code() == ErrorCode::invalidInput);
+  Texture texture = levels;
+  texture.format = TextureFormat::rg16f;
+  CHECK(test::errorOf([&] { decodeTexture(texture); }).code() == ErrorCode::unsupported);
+  CHECK(textureFormatName(TextureFormat::rg16f) == std::string("rg16f"));
 }
 
 // Floors are about 0.5 dB below what was measured when they were set: 37.0 and 47.6 dB, 38.4 and 46.0, 34.9 and 46.4.

@@ -180,17 +180,6 @@ TEST_CASE("tiers tell confirmed depth from completed depth") {
   CHECK(tier(stage.compose(kBetween)) == kTierBackdrop);
 }
 
-TEST_CASE("the capture spacing is the median distance to the next capture site") {
-  const auto spacing = [](std::vector<double> xs) {
-    std::vector<Camera> cameras;
-    for (const double x : xs) cameras.push_back(cameraAt({x, 0, 0}));
-    return captureSpacing(cameras);
-  };
-  CHECK(spacing({0, 0, 0, 1, 1, 2}) == Approx(1));
-  CHECK(spacing({3, 3}) == 1);
-  CHECK(spacing({5}) == 1);
-}
-
 TEST_CASE("photographs that cannot be composed are refused by number") {
   Stage stage;
   CHECK(errorOf([] { Composer({}); }).code() == ErrorCode::invalidInput);

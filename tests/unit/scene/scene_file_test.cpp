@@ -10,8 +10,12 @@
 #include "base/file.h"
 #include "ibr/error.h"
 #include "ibr/scene.h"
+#include "image/depth_texture.h"
+#include "image/ktx2.h"
+#include "scene/memory_demand.h"
 #include "scene/mesh_buffer.h"
 #include "scene/scene_file.h"
+#include "support/error_of.h"
 #include "support/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -38,6 +42,8 @@ Scene example(std::uint64_t seed = 1) {
   }
   scene.nodes[1].gain = {0.125, 1 / 3.0, 4096};
   scene.nodes[2].capture = {1.0 / 320, 2.8, 100, 3.61, 20, "DJI", "P\"2", "built in"};
+  scene.nodes[3].depthFile = "depth/photo 3.jpg.ktx2";
+  scene.nodes[3].depthScale = 1 / 3.0;
   scene.nodes[4].camera.intrinsics = {CameraModel::equirectangular, 2048, 1024, 0, 0, 0, 0};
   const auto cell = [&](std::vector<std::uint32_t> members, std::size_t points) {
     Cell c;
@@ -74,6 +80,11 @@ Scene example(std::uint64_t seed = 1) {
   scene.unused = {{"somewhere/else.jpg", "its axis is 47° from that of any other"}, {"b", "\"quoted\""}};
   scene.cells[0].mesh.tier.assign(scene.cells[0].mesh.triangles.size(), kTierRejected);  // none of tier 0
   scene.backdrops = {cell({2}, 30)};
+  for (MorphMesh* mesh : {&scene.backdrops[0].mesh, &scene.cells[1].mesh})
+    for (std::size_t p = 0; p < mesh->pointCount(); ++p) {
+      mesh->confirmations.push_back(std::uint8_t(p == 0 ? 255 : p % 11));
+      mesh->consensus.push_back(float(unit(random)));
+    }
   scene.acquisition = "unordered";
   scene.settings = R"({"seed":1,"theta":26.5})";
   scene.origin = GeographicOrigin{49.45, 11.08, 309.5};
@@ -89,6 +100,8 @@ void compareMeshes(const MorphMesh& a, const MorphMesh& b) {
   CHECK(a.tier == b.tier);
   CHECK(a.ecc == b.ecc);
   CHECK(a.planes == b.planes);
+  CHECK(a.confirmations == b.confirmations);
+  CHECK(a.consensus == b.consensus);
 }
 
 void compare(const Scene& a, const Scene& b) {
@@ -97,6 +110,8 @@ void compare(const Scene& a, const Scene& b) {
     CHECK(a.nodes[n].name == b.nodes[n].name);
     CHECK(a.nodes[n].imageFile == b.nodes[n].imageFile);
     CHECK(a.nodes[n].textureFile == b.nodes[n].textureFile);
+    CHECK(a.nodes[n].depthFile == b.nodes[n].depthFile);
+    CHECK(a.nodes[n].depthScale == b.nodes[n].depthScale);
     CHECK(a.nodes[n].camera.intrinsics == b.nodes[n].camera.intrinsics);
     CHECK(a.nodes[n].camera.pose.position == b.nodes[n].camera.pose.position);
     CHECK(glm::length(a.nodes[n].camera.pose.rotation - b.nodes[n].camera.pose.rotation) < 1e-15);
@@ -189,6 +204,37 @@ TEST_CASE("a mesh comes back from the bytes of its buffer") {
     bytes.resize(bytes.size() + 4);
     CHECK_THROWS_AS(decodeMesh(bytes, layoutOf(cell.mesh), sizes), Error);
   }
+}
+
+TEST_CASE("a scene of version 1 is refused with what to do about it") {
+  const test::TemporaryFolder folder;
+  saveScene(example(), folder.path());
+  std::string text = readTextFile(folder / "scene.gltf");
+  const std::string current = "\"version\": 2,";
+  const std::size_t at = text.find(current);
+  REQUIRE(at != std::string::npos);
+  text.replace(at, current.size(), "\"version\": 1,");
+  writeFile(folder / "scene.gltf", text);
+  const Error error = test::errorOf([&] { loadScene(folder.path()); });
+  CHECK(error.code() == ErrorCode::invalidInput);
+  CHECK_THAT(error.what(), Catch::Contains((folder / "scene.gltf").string()) &&
+                               Catch::Contains("/extensions/IBR_image_graph/version") &&
+                               Catch::Contains("`ibr build`"));
+}
+
+TEST_CASE("the memory demand counts depth textures whole") {
+  const test::TemporaryFolder folder;
+  Scene scene = example();
+  scene.folder = folder.path();
+  CHECK_THROWS_AS(depthTextureBytes(scene), Error);
+  std::filesystem::create_directories(folder / "depth");
+  writeKtx2(folder / scene.nodes[3].depthFile,
+            depthTexture({ImageF(160, 120, 1, 0.5f), ImageF(160, 120, 1, 0.5f)}, 643).texture);
+  CHECK(depthTextureBytes(scene) == 160 * 120 * 4);
+  const std::vector<TextureFormat> formats(scene.nodes.size(), TextureFormat::rgba8);
+  const MemoryDemand without = memoryDemand(scene, formats), with = memoryDemand(scene, formats, 76800);
+  CHECK(with.depth == 76800);
+  CHECK(with.sum() == without.sum() + 76800);
 }
 
 TEST_CASE("matches keep their grid through texture coordinates of any size") {

@@ -41,6 +41,17 @@ std::vector<glm::u16vec4>& planesOf(Scene& scene) {
   return mesh.planes;
 }
 
+MorphMesh& evidenceOf(MorphMesh& mesh) {
+  mesh.confirmations.assign(mesh.pointCount(), 3);
+  mesh.consensus.assign(mesh.pointCount(), 0.5f);
+  return mesh;
+}
+
+void setDepth(Node& node, double scale) {
+  node.depthFile = "depth/1.ktx2";
+  node.depthScale = scale;
+}
+
 }  // namespace
 
 TEST_CASE("each fault of a scene is named", "[P2]") {
@@ -104,6 +115,17 @@ TEST_CASE("each fault of a scene is named", "[P2]") {
        [](Scene& s) {
          planesOf(s)[1] = {0, 1, 0, 0};
        }},
+      {"cells[0].mesh.confirmations", [](Scene& s) { evidenceOf(s.cells[0].mesh).confirmations.pop_back(); }},
+      {"cells[0].mesh.confirmations", [](Scene& s) { evidenceOf(s.cells[0].mesh).confirmations.clear(); }},
+      {"cells[0].mesh.consensus", [](Scene& s) { evidenceOf(s.cells[0].mesh).consensus.clear(); }},
+      {"cells[0].mesh.consensus[1]", [](Scene& s) { evidenceOf(s.cells[0].mesh).consensus[1] = 1.01f; }},
+      {"cells[0].mesh.consensus[1]", [](Scene& s) { evidenceOf(s.cells[0].mesh).consensus[1] = kNan; }},
+      {"backdrops[0].mesh.consensus[2]", [](Scene& s) { evidenceOf(s.backdrops[0].mesh).consensus[2] = -0.5f; }},
+      {"nodes[1].depthScale", [](Scene& s) { s.nodes[1].depthFile = "depth/1.ktx2"; }},
+      {"nodes[1].depthScale", [](Scene& s) { s.nodes[1].depthScale = 2; }},
+      {"nodes[1].depthScale", [](Scene& s) { setDepth(s.nodes[1], -1); }},
+      {"nodes[1].depthScale", [](Scene& s) { setDepth(s.nodes[1], kInfinity); }},
+      {"nodes[1].depthScale", [](Scene& s) { setDepth(s.nodes[1], kNan); }},
       {"cells[0].mesh.tier", [](Scene& s) { s.cells[0].mesh.tier.pop_back(); }},
       {"cells[0].mesh.tier[0]", [](Scene& s) { s.cells[0].mesh.tier[0] = 2; }},
       {"cells[0].mesh.tier[1]", [](Scene& s) { s.cells[0].mesh.tier[0] = kTierRejected; }},
@@ -137,6 +159,14 @@ TEST_CASE("each fault of a scene is named", "[P2]") {
     CHECK(found[0].field == field);
     CHECK_FALSE(found[0].message.empty());
   }
+}
+
+TEST_CASE("a scene with evidence and depth textures is valid") {
+  Scene scene = goodScene();
+  evidenceOf(scene.cells[0].mesh).consensus[1] = 1;
+  evidenceOf(scene.backdrops[0].mesh).consensus[1] = 0;
+  setDepth(scene.nodes[1], 0.25);
+  CHECK(validate(scene).empty());
 }
 
 TEST_CASE("faults are all found, in order, up to the limit") {

@@ -32,7 +32,8 @@ glm::ivec2 backdropSize(const Intrinsics& stored);
 /// quality.coverage is the share of the picture whose depth was known.
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
                        const BackdropOptions& options);
-/// The same where the completed depth is at hand.
+
+/// The same from depth that was completed before (completeDepth), of the same size.
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& completed,
                        const BackdropOptions& options);
 

@@ -5,13 +5,14 @@
 #include <glm/geometric.hpp>
 
 #include "author/backdrop/backdrop.h"
-#include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
 #include "author/build/cell_cache.h"
 #include "author/geometry/posed_model.h"
 #include "author/geometry/simplex.h"
 #include "author/pixels/resize.h"
+#include "base/file.h"
 #include "base/stopwatch.h"
+#include "image/depth_texture.h"
+#include "image/ktx2.h"
 #include "scene/capture_spacing.h"
 
 namespace ibr {
@@ -31,13 +32,13 @@ double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& 
   return its.empty() ? 0.0 : median(its);
 }
 
+}  // namespace
+
 std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t photograph) {
   std::vector<glm::dvec3> points;
   for (const std::uint32_t t : input.tracksOf[photograph]) points.push_back(input.model.tracks[t].position);
   return points;
 }
-
-}  // namespace
 
 BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
                              const std::vector<std::uint64_t>& keys)
@@ -55,57 +56,61 @@ BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& option
   if (!cameras.empty()) spacing_ = captureSpacing(cameras);
 }
 
-std::vector<glm::dvec3> BackdropMaker::pointsOf(std::uint32_t photograph) const {
-  return cellsWith_[photograph].empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
-}
-
-ImageF BackdropMaker::depthOf(std::uint32_t photograph) const {
-  Camera camera = input_.photographs[photograph].camera;
-  const glm::ivec2 size = backdropSize(camera.intrinsics);
-  camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
-  return cellsWith_[photograph].empty() ? depthOfPoints(camera, pointsOf(photograph))
-                                        : depthInScene(scene_, photograph, size);
-}
-
-BackdropMaker::Made BackdropMaker::make(std::uint32_t photograph, const ImageF& known,
-                                        const DepthEvidence& evidence) const {
+MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth& depth) const {
   const Stopwatch watch;
   const Photograph& photo = input_.photographs[photograph];
-  const double step = stepOf(cellsWith_[photograph], sizes_);
+  const std::vector<std::size_t>& cells = cellsWith_[photograph];
+  const double step = stepOf(cells, sizes_);
+  const std::vector<glm::dvec3> points = cells.empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
+
   Hash hash;
   hash.add(kVersion);
   hash.add(options_.backdropSpacing);
   hash.add(step);
   hash.add(spacing_);
   addPhotograph(hash, input_, photograph);
-  for (const std::size_t c : cellsWith_[photograph]) hash.add(keys_[c]);
-  addPoints(hash, pointsOf(photograph));
+  for (const std::size_t c : cells) hash.add(keys_[c]);
+  addPoints(hash, points);
   const std::uint64_t key = hash.value();
 
-  const ImageF completed = completeDepth(known, shrunk(loadPhotograph(photo), known.width, known.height));
-  Made made;
-  made.backdrop.key = key;
-  if (auto kept = fetchCell(keptFolder(options_), key)) {
-    made.backdrop.cell = std::move(*kept);
-    made.backdrop.resumed = true;
+  const ImageF& known = depth.matched.map.inverseDepth;
+  const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), known.width, known.height));
+  MadeBackdrop result;
+  result.made.key = key;
+  if (auto cached = fetchCell(keptFolder(options_), key)) {
+    result.made.cell = std::move(*cached);
+    result.made.resumed = true;
   } else {
-    made.backdrop.cell = buildBackdrop(photo.camera, known, completed,
-                                       {.step = step, .cut = kCut * spacing_, .spacing = options_.backdropSpacing});
-    storeCell(keptFolder(options_), key, made.backdrop.cell);
+    result.made.cell = buildBackdrop(photo.camera, known, whole.maps.inverseDepth,
+                                     {.step = step, .cut = kCut * spacing_, .spacing = options_.backdropSpacing});
+    storeCell(keptFolder(options_), key, result.made.cell);
   }
-  // Evidence hangs on all photographs: it is not kept with the mesh.
-  addEvidence(made.backdrop.cell.mesh, photo.camera, known, evidence);
-  made.depth = depthTexture(completed, consensusOf(known, evidence), photo.camera.intrinsics.width);
-  made.backdrop.seconds = watch.seconds();
-  return made;
+  // The evidence depends on all photographs, the cached mesh on this one's cells alone.
+  addEvidence(result.made.cell.mesh, photo.camera.intrinsics, whole);
+  const DepthTexture texture = depthTexture(whole.maps, photo.camera.intrinsics.width);
+  result.depthFile = std::filesystem::path("depth") / (photo.name + ".ktx2");
+  result.depthScale = texture.scale;
+  makeFolders((options_.output / result.depthFile).parent_path());
+  writeKtx2(options_.output / result.depthFile, texture.texture);
+  result.made.seconds = watch.seconds();
+  return result;
 }
 
 double BackdropMaker::bytes() const {
   double most = 0;
+  for (const Photograph& photo : input_.photographs) {
+    const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+    most = std::max(most, kBackdropBytesPerPixel * size.x * size.y + bytesToLoad(photo));
+  }
+  return most;
+}
+
+double BackdropMaker::bytesOfDepth() const {
+  double most = 0;
   for (std::size_t i = 0; i < cellsWith_.size(); ++i) {
     const glm::ivec2 size = backdropSize(input_.photographs[i].camera.intrinsics);
-    const double pixel = kBackdropBytesPerPixel + double(sizeof(float)) * double(cellsWith_[i].size());
-    most = std::max(most, pixel * size.x * size.y + bytesToLoad(input_.photographs[i]));
+    const double maps = double(std::max<std::size_t>(cellsWith_[i].size(), 1)) + 1;  // one a cell, and their median
+    most = std::max(most, double(sizeof(float)) * maps * size.x * size.y);
   }
   return most;
 }

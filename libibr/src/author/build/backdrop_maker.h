@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One photograph's backdrop after another, from what the cells found in it (tier 2).
+// One photograph's backdrop (tier 2) and depth texture after another, from the depth that the cells have.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "author/build/build_input.h"
@@ -13,6 +14,16 @@
 namespace ibr {
 
 inline constexpr double kBackdropBytesPerPixel = 100;  // of memory that completing a depth and its mesh take
+inline constexpr double kDepthBytesPerPixel = 6;       // of memory that a photograph's matched depth and evidence hold
+
+struct MadeBackdrop {
+  MadeCell made;                    // with evidence, which is not cached
+  std::filesystem::path depthFile;  // relative to the scene's folder
+  double depthScale = 0;            // Node::depthScale
+};
+
+/// The world points of the photograph's tracks.
+std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t photograph);
 
 class BackdropMaker {
  public:
@@ -20,26 +31,18 @@ class BackdropMaker {
   BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
                 const std::vector<std::uint64_t>& keys);
 
-  /// Depth of a photograph as the cells show it, of backdropSize; where it is in no cell, as its tracks say. Like
-  /// make(): the photograph is no panorama, any thread may call, throws Error.
-  ImageF depthOf(std::uint32_t photograph) const;
+  /// `depth`: the photograph's (depthOfPhotographs). Writes the depth texture into the scene's folder. May be called
+  /// from several threads. Throws Error.
+  MadeBackdrop make(std::uint32_t photograph, const PhotographDepth& depth) const;
 
-  struct Made {
-    MadeCell backdrop;  // with the evidence in its mesh
-    DepthTexture depth;
-  };
-  /// `known`: depthOf() the photograph; `evidence`: what the others say of it.
-  Made make(std::uint32_t photograph, const ImageF& known, const DepthEvidence& evidence) const;
-
-  /// The memory that making one takes at most.
+  /// The memory that making one takes at most, and that finding one photograph's depth does.
   double bytes() const;
+  double bytesOfDepth() const;
 
  private:
   const BuildInput& input_;
   const BuildOptions& options_;
   const Scene& scene_;
-  std::vector<glm::dvec3> pointsOf(std::uint32_t photograph) const;  // where it is in no cell
-
   const std::vector<std::uint64_t>& keys_;
   std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
   std::vector<double> sizes_;                        // of each cell: its longest edge

@@ -19,6 +19,7 @@
 #include "base/check.h"
 #include "base/parallel.h"
 #include "base/usage.h"
+#include "image/depth_texture.h"
 #include "io/image_file.h"
 
 namespace ibr {
@@ -30,9 +31,7 @@ constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
 constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
 constexpr double kSeenInCells = 700;               // observations of dense tracks, for each photograph
-constexpr double kDepthTexelBytes = 1;     // of a depth texture, for each pixel of a backdrop's depth: 4 a block
-constexpr double kDepthBytesPerPixel = 6;  // of memory: a depth map and its evidence
-constexpr double kProgram = 60e6;          // of memory, whatever the work
+constexpr double kProgram = 60e6;                  // of memory, whatever the work
 
 double pixelsOf(const Intrinsics& k) {
   return double(k.width) * k.height;
@@ -67,7 +66,7 @@ double bytesBelow(const fs::path& folder) {
 // By what an earlier build of this scene left, which is taken over or replaced.
 double heldAlready(const BuildOptions& options) {
   double bytes = 0;
-  for (const char* part : {"cells", "images", "textures", "masks", ".build"})
+  for (const char* part : {"cells", "images", "textures", "masks", "depth", ".build"})
     bytes += bytesBelow(options.output / part);
   return bytes;
 }
@@ -108,8 +107,9 @@ class Predictor {
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
-      made_.disk += kDepthTexelBytes * double(size.x) * size.y;
-      depths_ += kDepthBytesPerPixel * double(size.x) * size.y;
+      const glm::ivec2 texels = depthTextureSize(size, k.width);
+      made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
+      depths_ += kDepthBytesPerPixel * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
@@ -210,7 +210,7 @@ class Predictor {
   // Bytes of one job, at most.
   double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
   double kept_ = 0;    // bytes of all meshes
-  double depths_ = 0;  // of all depth maps and their evidence
+  double depths_ = 0;  // bytes of all photographs' depth and evidence
   BuildPrediction made_;
 };
 

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 
+#include "author/backdrop/backdrop.h"
 #include "author/build/backdrop_maker.h"
 #include "author/build/build_input.h"
 #include "author/build/build_prediction.h"
@@ -32,7 +34,6 @@
 #include "base/stopwatch.h"
 #include "base/usage.h"
 #include "ibr/author.h"
-#include "image/ktx2.h"
 #include "io/image_file.h"
 
 namespace ibr {
@@ -40,9 +41,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kLeastCoverage = 0.05;
-constexpr const char* kDepthFolder = "depth";  // of the scene
-constexpr std::size_t kDepthSources = 10;      // photographs that are asked about one's depth
-constexpr double kHardlyUsed = 0.9;            // share of a photograph that a mask ignores by mistake
+constexpr double kHardlyUsed = 0.9;  // share of a photograph that a mask ignores by mistake
 
 class Builder {
  public:
@@ -350,48 +349,51 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
+  // Of all pinholes, in the order of the photographs.
+  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker, std::size_t pinholes) const {
+    double pixels = 0;
+    for (const Photograph& photo : input_.photographs) {
+      const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
+      if (!isPanorama(photo)) pixels = std::max(pixels, double(size.x) * size.y);
+    }
+    if (pinholes == 0) return {};
+    std::size_t run = 0;
+    return depthOfPhotographs(
+        scene_,
+        {.points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
+         .depths =
+             [&](std::size_t count, const auto& job) {
+               jobs_.runAll("finding depth", count, maker.bytesOfDepth(), job, kDepthBytesPerPixel * pixels);
+             },
+         .evidence =
+             [&](std::size_t count, const auto& job) {
+               constexpr std::array kStages{"choosing depth sources", "confirming depth", "finding contradictions"};
+               static_assert(kStages.size() == kEvidenceRuns);
+               jobs_.runAll(kStages[run++], count, 1, job);
+             }});
+  }
+
   void makeBackdrops() {
     std::vector<std::uint32_t> pinholes;
     for (std::uint32_t i = 0; i < input_.photographs.size(); ++i)
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_, keys_);
-    std::vector<ImageF> known(pinholes.size());
-    jobs_.runAll("reading depth", pinholes.size(), maker.bytes(),
-                 [&](std::size_t b) { known[b] = maker.depthOf(pinholes[b]); });
-    const std::vector<ConsistentDepth> depths = comparable(pinholes, std::move(known));
-    jobs_.step("comparing depth", 0, 1);
-    const std::vector<DepthEvidence> evidence = depthEvidence(depths, kDepthSources, jobs_.threads());
-    std::vector<BackdropMaker::Made> made(pinholes.size());
-    makeFolders(options_.output / kDepthFolder);
-    jobs_.runAll("completing backdrops", made.size(), maker.bytes(), [&](std::size_t b) {
-      made[b] = maker.make(pinholes[b], depths[b].map.inverseDepth, evidence[b]);
-      storeDepth(pinholes[b], made[b].depth);
-    });
+    const std::vector<PhotographDepth> depths = findDepths(maker, pinholes.size());
+    std::vector<MadeBackdrop> made(pinholes.size());
+    jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
+                 [&](std::size_t b) { made[b] = maker.make(pinholes[b], depths[b]); });
     for (std::size_t b = 0; b < made.size(); ++b) {
-      MadeCell& one = made[b].backdrop;
-      Cell backdrop{{pinholes[b]}, std::move(one.cell.mesh), one.cell.quality};
+      Node& node = scene_.nodes[pinholes[b]];
+      node.depthFile = made[b].depthFile;
+      node.depthScale = made[b].depthScale;
+      MadeCell& making = made[b].made;
+      Cell backdrop{{pinholes[b]}, std::move(making.cell.mesh), making.cell.quality};
       cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
       const MorphMesh& mesh = backdrop.mesh;
       report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
-                                   backdrop.quality.coverage, one.seconds, one.resumed});
+                                   backdrop.quality.coverage, making.seconds, making.resumed});
       scene_.backdrops.push_back(std::move(backdrop));
     }
-  }
-
-  std::vector<ConsistentDepth> comparable(const std::vector<std::uint32_t>& pinholes, std::vector<ImageF> known) const {
-    std::vector<Camera> cameras;
-    for (const std::uint32_t i : pinholes) cameras.push_back(input_.photographs[i].camera);
-    return consistentDepths(cameras, std::move(known), medianResidual(scene_));
-  }
-
-  void storeDepth(std::uint32_t photograph, DepthTexture& depth) {
-    Node& node = scene_.nodes[photograph];
-    node.depthFile = fs::path(kDepthFolder) / (node.name + ".ktx2");
-    node.depthScale = depth.scale;
-    const fs::path file = options_.output / node.depthFile;
-    makeFolders(file.parent_path());  // names may have folders
-    writeKtx2(file, depth.texture);
-    depth.texture = {};
   }
 
   void finish() {

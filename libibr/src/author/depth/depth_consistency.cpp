@@ -141,12 +141,18 @@ class Consistency {
 }  // namespace
 
 std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources, int threads) {
-  Consistency run(depths, sources);
-  const auto each = [&](auto&& job) { runJobs(depths.size(), threads, job, [](std::size_t) { return true; }); };
-  each([&](std::size_t i) { run.chooseSources(i); });
-  each([&](std::size_t i) { run.confirm(i); });
-  each([&](std::size_t i) { run.contradict(i); });
-  return std::move(run).take();
+  return depthEvidence(depths, sources, [&](std::size_t count, const std::function<void(std::size_t)>& job) {
+    runJobs(count, threads, job, [](std::size_t) { return true; });
+  });
+}
+
+std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources,
+                                         const JobRunner& run) {
+  Consistency consistency(depths, sources);
+  run(depths.size(), [&](std::size_t i) { consistency.chooseSources(i); });
+  run(depths.size(), [&](std::size_t i) { consistency.confirm(i); });
+  run(depths.size(), [&](std::size_t i) { consistency.contradict(i); });
+  return std::move(consistency).take();
 }
 
 }  // namespace ibr

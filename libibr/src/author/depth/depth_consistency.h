@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,5 +36,13 @@ struct DepthEvidence {
 /// 6°. The result does not depend on the number of threads. Precondition: pinholes; steps positive.
 std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources = 10,
                                          int threads = 1);
+
+/// Calls job(0) … job(count − 1), each once; returns when all are done, or throws.
+using JobRunner = std::function<void(std::size_t count, const std::function<void(std::size_t)>& job)>;
+
+/// The same with jobs run by `run`, which is called kEvidenceRuns times with a job a map.
+std::vector<DepthEvidence> depthEvidence(std::span<const ConsistentDepth> depths, std::size_t sources,
+                                         const JobRunner& run);
+inline constexpr std::size_t kEvidenceRuns = 3;
 
 }  // namespace ibr

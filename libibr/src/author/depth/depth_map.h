@@ -6,7 +6,8 @@
 
 namespace ibr {
 
-/// Inverse depth along a pinhole's axis: one channel, `camera` has the map's size; kUnknownDepth where unknown.
+/// Inverse depth along a pinhole's axis: one channel, `camera` has the map's size; kUnknownDepth
+/// (author/backdrop/complete_depth.h) where unknown.
 struct DepthMap {
   Camera camera;
   ImageF inverseDepth;

@@ -2,64 +2,96 @@
 #include "author/depth/photograph_depth.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <utility>
 
+#include "author/backdrop/backdrop.h"
+#include "author/backdrop/complete_depth.h"
+#include "author/backdrop/scene_depth.h"
+#include "base/check.h"
 #include "base/median.h"
 #include "scene/capture_spacing.h"
 
 namespace ibr {
 namespace {
 
-constexpr double kStepPx = 2;  // px of the photograph: 1 px at half its size
-constexpr float kCompletedConsensus = 0.1f;
+constexpr double kStepPx = 2;  // of a photograph: 1 px at half its size
+
+void runInTurn(std::size_t count, const std::function<void(std::size_t)>& job) {
+  for (std::size_t i = 0; i < count; ++i) job(i);
+}
+
+int nearestPixel(double at, int side) {
+  return std::clamp(int(std::floor(at)), 0, side - 1);
+}
 
 }  // namespace
 
-std::vector<ConsistentDepth> consistentDepths(std::span<const Camera> cameras, std::vector<ImageF> known,
-                                              double residualPx) {
-  assert(cameras.size() == known.size());
-  if (cameras.empty()) return {};
-  const double spacing = captureSpacing({cameras.begin(), cameras.end()});
-  std::vector<ConsistentDepth> result;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const Intrinsics& stored = cameras[i].intrinsics;
-    Camera camera = cameras[i];
-    camera.intrinsics = resized(stored, known[i].width, known[i].height);
-    const double scale = double(known[i].width) / stored.width;
-    result.push_back({{camera, std::move(known[i])}, kStepPx / (stored.fx * spacing), residualPx * scale});
-  }
-  return result;
-}
-
-double medianResidual(const Scene& scene) {
+double medianResidualPx(const Scene& scene) {
   std::vector<double> residuals;
   for (const Cell& cell : scene.cells) residuals.push_back(cell.quality.residualPx);
-  const double middle = residuals.empty() ? 0 : median(std::move(residuals));
+  const double middle = median(std::move(residuals));
   return std::isfinite(middle) ? middle : 0;
 }
 
-ImageF consensusOf(const ImageF& known, const DepthEvidence& evidence) {
-  ImageF result(known.width, known.height, 1);
-  for (std::size_t p = 0; p < known.values.size(); ++p) {
-    const double c = evidence.confirmations.values[p], v = evidence.contradictions.values[p];
-    result.values[p] = known.values[p] < 0 ? kCompletedConsensus : float((c + 0.25) / (c + v + 0.5));
+std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options) {
+  std::vector<PhotographDepth> result;
+  std::vector<Camera> cameras;
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
+    if (const Camera& camera = scene.nodes[n].camera; camera.intrinsics.model == CameraModel::pinhole) {
+      result.push_back({n, {}, {}});
+      cameras.push_back(camera);
+    }
+  if (result.empty()) return result;
+  std::vector<bool> inCell(scene.nodes.size(), false);
+  for (const Cell& cell : scene.cells)
+    for (const std::uint32_t member : cell.members) inCell[member] = true;
+  const double spacing = captureSpacing(cameras), residualPx = medianResidualPx(scene);
+  std::vector<ConsistentDepth> matched(result.size());
+  const JobRunner runDepths = options.depths ? options.depths : runInTurn,
+                  runEvidence = options.evidence ? options.evidence : runInTurn;
+  runDepths(result.size(), [&](std::size_t i) {
+    const std::uint32_t node = result[i].node;
+    const glm::ivec2 size = backdropSize(cameras[i].intrinsics);
+    Camera small = cameras[i];
+    small.intrinsics = resized(small.intrinsics, size.x, size.y);
+    ImageF depth = inCell[node]
+                       ? depthInScene(scene, node, size)
+                       : depthOfPoints(small, options.points ? options.points(node) : std::vector<glm::dvec3>{});
+    const Intrinsics& stored = cameras[i].intrinsics;
+    matched[i] = {{small, std::move(depth)}, kStepPx / (stored.fx * spacing), residualPx * size.x / stored.width};
+  });
+  std::vector<DepthEvidence> evidence = depthEvidence(matched, kDepthSources, runEvidence);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i].matched = std::move(matched[i]);
+    result[i].evidence = std::move(evidence[i]);
   }
   return result;
 }
 
-void addEvidence(MorphMesh& mesh, const Camera& stored, const ImageF& known, const DepthEvidence& evidence) {
-  const ImageF consensus = consensusOf(known, evidence);
-  const glm::dvec2 scale(double(known.width) / stored.intrinsics.width,
-                         double(known.height) / stored.intrinsics.height);
+CompletedDepth completed(const PhotographDepth& depth, const Image8& colours) {
+  const ImageF& known = depth.matched.map.inverseDepth;
+  CompletedDepth result{{completeDepth(known, colours), ImageF(known.width, known.height, 1, kCompletedConsensus)},
+                        Image8(known.width, known.height, 1, 0)};
+  for (std::size_t p = 0; p < known.values.size(); ++p) {
+    if (known.values[p] < 0) continue;
+    const double c = depth.evidence.confirmations.values[p], v = depth.evidence.contradictions.values[p];
+    result.confirmations.values[p] = depth.evidence.confirmations.values[p];
+    result.maps.consensus.values[p] = float((c + 0.25) / (c + v + 0.5));
+  }
+  return result;
+}
+
+void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth& depth) {
+  check(mesh.memberCount() == 1, ErrorCode::invalidInput, "evidence is added to backdrops, not to a mesh of {} members",
+        mesh.memberCount());
+  const Image8& counts = depth.confirmations;
   mesh.confirmations.clear();
   mesh.consensus.clear();
-  for (const glm::vec2& match : mesh.match[0]) {
-    const int x = std::clamp(int(double(match.x) * scale.x), 0, known.width - 1),
-              y = std::clamp(int(double(match.y) * scale.y), 0, known.height - 1);
-    mesh.confirmations.push_back(known.pixel(x, y)[0] < 0 ? std::uint8_t(0) : evidence.confirmations.pixel(x, y)[0]);
-    mesh.consensus.push_back(consensus.pixel(x, y)[0]);
+  for (const glm::vec2 match : mesh.match[0]) {
+    const int x = nearestPixel(double(match.x) * counts.width / stored.width, counts.width),
+              y = nearestPixel(double(match.y) * counts.height / stored.height, counts.height);
+    mesh.confirmations.push_back(counts.pixel(x, y)[0]);
+    mesh.consensus.push_back(depth.maps.consensus.pixel(x, y)[0]);
   }
 }
 

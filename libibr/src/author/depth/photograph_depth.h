@@ -1,30 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of the photographs of a scene with what the others say of it: what is stored in a scene for the gather.
+// Depth of a scene's pinhole photographs, at backdropSize, with the evidence that the other photographs give.
+//
+//   depth     of each cell with the photograph the nearest surface of tier 0, of all cells the median (scene_depth.h);
+//             of a photograph in no cell its points, where these are given
+//   evidence  confirmations c and contradictions v (depth_consistency.h)
+//   completed depth is known everywhere (complete_depth.h); consensus a = (c + .25) / (c + v + .5). Where depth was
+//             completed c is 0 and a is .1
 #pragma once
 
-#include <span>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "author/depth/depth_consistency.h"
+#include "ibr/image.h"
 #include "ibr/scene.h"
 #include "image/depth_texture.h"
 
 namespace ibr {
 
-/// Depth maps as depthEvidence() takes them. `known`: one a camera, along its axis, of any size, kUnknownDepth where
-/// nothing was matched; `cameras`: pinholes at their stored size; `residualPx`: median reprojection residual, px of the
-/// stored photographs.
-std::vector<ConsistentDepth> consistentDepths(std::span<const Camera> cameras, std::vector<ImageF> known,
-                                              double residualPx);
+inline constexpr float kCompletedConsensus = 0.1f;
+inline constexpr std::size_t kDepthSources = 10;  // photographs that are asked about one photograph's depth
 
-/// Median of the cells' CellQuality::residualPx, px; 0 where none says.
-double medianResidual(const Scene& scene);
+/// A photograph's depth as it was matched, and its evidence.
+struct PhotographDepth {
+  std::uint32_t node = 0;
+  ConsistentDepth matched;
+  DepthEvidence evidence;
+};
 
-/// a of each pixel: (c + .25) / (c + v + .5), .1 where nothing was matched.
-ImageF consensusOf(const ImageF& known, const DepthEvidence& evidence);
+/// World points that a photograph sees.
+using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t node)>;
 
-/// Sets confirmations and consensus of a backdrop's vertices, each from the nearest pixel of the maps. `stored`: the
-/// photograph's camera at its stored size.
-void addEvidence(MorphMesh& mesh, const Camera& stored, const ImageF& known, const DepthEvidence& evidence);
+struct PhotographDepthOptions {
+  PhotographPoints points = {};  // of a photograph that no cell has; empty: nothing is known of its depth
+  JobRunner depths, evidence;    // run the jobs of both steps; empty: one after the other
+};
+
+/// Median over the cells of their reprojection residual, px of the stored photographs; 0 where no cell states one.
+double medianResidualPx(const Scene& scene);
+
+/// Of all pinholes, in the order of the nodes. Does not depend on the order in which jobs are run. 6 bytes a pixel.
+/// Throws what the runners throw.
+std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options = {});
+
+/// Depth that is known everywhere. Three maps of one size.
+struct CompletedDepth {
+  DepthMaps maps;
+  Image8 confirmations;
+};
+
+/// `colours`: RGB, of the map's size.
+CompletedDepth completed(const PhotographDepth& depth, const Image8& colours);
+
+/// Sets confirmations and consensus of a backdrop's vertices from the nearest pixel. `stored`: the photograph's
+/// intrinsics, in whose px the matches are.
+void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth& depth);
 
 }  // namespace ibr

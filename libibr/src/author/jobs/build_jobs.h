@@ -18,9 +18,6 @@ class BuildJobs {
   BuildJobs(int threads, double memory, const ProgressCallback& progress)
       : threads_(threads), memory_(memoryBudget(memory)), progress_(progress) {}
 
-  /// Threads for work whose memory is small.
-  int threads() const { return threadsFor(threads_, 1.0, memory_); }
-
   /// Reports progress. Throws Error{cancelled} when it is answered with no.
   void step(std::string_view stage, std::size_t done, std::size_t total) const;
 

@@ -16,6 +16,7 @@
 #include "base/usage.h"
 #include "ibr/author.h"
 #include "ibr/error.h"
+#include "image/depth_texture.h"
 #include "image/ktx2.h"
 #include "image/srgb.h"
 #include "io/image_file.h"
@@ -322,6 +323,7 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
 
   CHECK(build(none).backdrops.empty());
   CHECK(loadScene(none.output).backdrops.empty());
+  CHECK(loadScene(none.output).nodes[0].depthFile.empty());
   // What was kept of a build without backdrops does not do for one with.
   fs::remove_all(none.output);
   const auto late = [](const Progress& p) { return p.stage != "writing the scene"; };
@@ -329,6 +331,51 @@ TEST_CASE("every photograph has a backdrop, made anew, taken over, or left out")
   none.backdrops = true;
   build(none);
   CHECK(filesBelow(none.output) == filesBelow(whole.output));
+}
+
+TEST_CASE("a built scene has depth and evidence of every pinhole, the same on any number of threads") {
+  const Set set;
+  BuildOptions options = set.options("one"), threads = set.options("three");
+  options.threads = 1;
+  threads.threads = 3;
+  build(options);
+  std::set<std::string> stages;
+  build(threads, [&](const Progress& p) {
+    stages.insert(std::string(p.stage));
+    return true;
+  });
+  CHECK(filesBelow(options.output) == filesBelow(threads.output));
+  for (const char* stage : {"finding depth", "confirming depth"}) CHECK(stages.contains(stage));
+  for (const Fault& fault : validateSceneFiles(options.output)) FAIL(fault.field << " " << fault.message);
+  const Scene scene = loadScene(options.output);
+  CHECK(scene.nodes[3].depthFile == "depth/sub/003.png.ktx2");
+  std::size_t confirmed = 0, points = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Node& node = scene.nodes[i];
+    const DepthMaps maps = readDepthTexture(readKtx2(options.output / node.depthFile), node.depthScale);
+    CHECK(maps.inverseDepth.width == 32);
+    CHECK(maps.inverseDepth.height == 24);
+    CHECK(*std::ranges::max_element(maps.inverseDepth.values) == float(node.depthScale));
+    CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 away
+    const MorphMesh& mesh = scene.backdrops[i].mesh;
+    REQUIRE(mesh.confirmations.size() == mesh.pointCount());
+    points += mesh.pointCount();
+    confirmed += mesh.pointCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
+    for (std::size_t p = 0; p < mesh.pointCount(); ++p) CHECK(mesh.consensus[p] <= 3.25f / 3.5f);
+  }
+  CHECK(confirmed > points / 4);  // the rest was completed
+  for (const Cell& cell : scene.cells) CHECK(cell.mesh.confirmations.empty());
+}
+
+TEST_CASE("a build is cancelled while depth is found, and goes on") {
+  const Set set;
+  const BuildOptions whole = set.options("whole"), stopped = set.options("stopped");
+  build(whole);
+  for (const char* stage : {"finding depth", "choosing depth sources", "confirming depth", "finding contradictions"})
+    CHECK(test::errorOf([&] { build(stopped, [&](const Progress& p) { return p.stage != stage; }); }).code() ==
+          ErrorCode::cancelled);
+  build(stopped);
+  CHECK(filesBelow(stopped.output) == filesBelow(whole.output));
 }
 
 TEST_CASE("a photograph that is in no cell has a backdrop from its tracks") {

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Half floats (IEEE 754 binary16).
+#pragma once
+
+#include <cstdint>
+
+namespace ibr {
+
+/// The nearest half float, ties to even; infinite from 65520 on. NaN stays NaN.
+std::uint16_t toHalf(float value) noexcept;
+
+/// Exact.
+float fromHalf(std::uint16_t half) noexcept;
+
+}  // namespace ibr
