@@ -12,11 +12,11 @@
 #include "base/check.h"
 #include "base/median.h"
 #include "base/parallel.h"
-#include "ibr/scene.h"
-#include "image/bilinear.h"
-#include "image/raster.h"
+#include "reference/composer_gather.h"
+#include "reference/composer_photograph.h"
+#include "reference/composer_vote.h"
 #include "scene/capture_spacing.h"
-#include "scene/reprojection.h"
+#include "shared/cell.h"
 
 namespace ibr::reference {
 namespace {
@@ -196,6 +196,39 @@ std::vector<Image8> finestLevel(const Image8& picture) {
 }
 
 }  // namespace
+
+Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
+                         int threads) {
+  const RenderSettings& settings = plan.settings;
+  check(view < plan.views.size(), ErrorCode::invalidInput, "the plan has {} views, not view {}", plan.views.size(),
+        view);
+  check(settings.renderScale == 1, ErrorCode::invalidInput, "renderScale {}: only 1 is composed", settings.renderScale);
+  check(plan.gather.spacing > 0 && std::isfinite(plan.gather.spacing), ErrorCode::invalidInput,
+        "spacing {} of the capture is not positive", plan.gather.spacing);
+  check(settings.gatherColours >= 1 && settings.gatherColours <= kMaxGatherColours && settings.gatherLayers >= 1 &&
+            settings.gatherLayers <= kMaxGatherLayers,
+        ErrorCode::invalidInput, "gatherColours {} or gatherLayers {} is out of range", settings.gatherColours,
+        settings.gatherLayers);
+  Job job;
+  job.view = plan.views[view];
+  std::vector<double> steps;
+  for (const PlannedPhotograph& planned : plan.photographs) {
+    job.candidates.push_back(candidateOf(scene, plan, planned, textures));
+    steps.push_back(job.candidates.back().step);
+  }
+  if (!steps.empty()) job.step = middle(std::move(steps));
+  job.mesh = [&](std::size_t k) {
+    const PlannedPhotograph& planned = plan.photographs[k];
+    return hypothesisMesh(scene.nodes[planned.node].camera.intrinsics, scene.backdrops[planned.backdrop].mesh);
+  };
+  job.voteScale = settings.voteScale;
+  job.colours = settings.gatherColours;
+  job.layers = settings.gatherLayers;
+  job.detail = double(shader::kFinerDetail) / settings.textureScale;
+  job.lowestTier = settings.lowestTier;
+  job.threads = threads;
+  return composed(job);
+}
 
 Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options)
     : photographs_(std::move(photographs)), options_(options) {
