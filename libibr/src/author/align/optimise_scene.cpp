@@ -181,6 +181,8 @@ OptimiseSceneReport optimiseCells(Scene& scene, const OptimiseCellsOptions& opti
   for (AlignedCell& cell : done) {
     Cell& now = scene.cells[cell.facts.cell];
     now.mesh = std::move(cell.mesh);
+    now.mesh.confirmations.clear();  // they were those of the vertices before these moved
+    now.mesh.consensus.clear();
     now.quality = cell.quality;
     takenBack += cell.facts.takenBack;
     if (cell.facts.judged > 0) {

@@ -12,6 +12,7 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
+constexpr double kDepth = 100, kConfirm = 400;                 // a pixel of the depth maps
 constexpr double kObservation = 150e-6;                        // of a point, while poses are refined
 constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
 constexpr double kJudged = 500, kJudge = 1300;
@@ -56,9 +57,16 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
         kSolvingShare * kExposurePair * pairs);
   }
+  const double eachBackdrop = 1 / std::max(double(work.backdrops), 1.0);
+  const auto addDepth = [&](const char* stage, double nanoseconds) {
+    const double seconds = 1e-9 * nanoseconds * work.backdropPixels;
+    add(stage, seconds, threads.backdrops, seconds * eachBackdrop);
+  };
+  addDepth("finding depth", kDepth);
+  addDepth("confirming depth", kConfirm);
   const double backdrops =
       double(work.backdrops) > 0 ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels) : 0;
-  add("completing backdrops", backdrops, threads.backdrops, backdrops / std::max(double(work.backdrops), 1.0));
+  add("completing backdrops", backdrops, threads.backdrops, backdrops * eachBackdrop);
   return stages;
 }
 

@@ -165,7 +165,11 @@ std::size_t setExactMatches(Scene& scene, std::span<const DepthView> truth, cons
   });
   scene.settings = settingsWith(scene.settings, options);
   for (std::size_t c = 0; c < meshes.size(); ++c)
-    if (moved[c] > 0) scene.cells[c].mesh = std::move(meshes[c]);
+    if (moved[c] > 0) {
+      MorphMesh& mesh = scene.cells[c].mesh = std::move(meshes[c]);
+      mesh.confirmations.clear();  // they were those of the vertices before these moved
+      mesh.consensus.clear();
+    }
   return std::accumulate(moved.begin(), moved.end(), std::size_t(0));
 }
 

@@ -30,6 +30,7 @@ class KeptWriter {
     const auto bytes = std::as_bytes(std::span(values));
     out_.insert(out_.end(), bytes.begin(), bytes.end());
   }
+  /// Without confirmations and consensus, which depend on all photographs of a scene.
   void mesh(const MorphMesh& mesh);
   std::vector<std::byte> take() { return std::move(out_); }
 

@@ -18,6 +18,7 @@
 #include "author/mesh/uncertainty.h"
 #include "base/file.h"
 #include "ibr/texture.h"
+#include "image/depth_texture.h"
 #include "image/ktx2.h"
 #include "image/mips.h"
 #include "io/image_file.h"
@@ -178,6 +179,40 @@ TEST_CASE("a scene in which nothing moves is the same scene in another folder") 
     CHECK(readImage(wall.folder / "out" / node.imageFile) == readImage(wall.folder / "scene" / node.imageFile));
   }
   CHECK(!fs::exists(wall.folder / "out/.optimise"));
+}
+
+TEST_CASE("an optimised scene keeps depth and the evidence of backdrops, not that of its cells") {
+  const Wall wall;
+  Scene scene = wall.scene;
+  const auto addTo = [](MorphMesh& mesh) {
+    mesh.confirmations.assign(mesh.pointCount(), 2);
+    mesh.consensus.assign(mesh.pointCount(), 0.75f);
+  };
+  addTo(scene.cells[2].mesh);
+  Cell backdrop;
+  backdrop.members = {1};
+  backdrop.mesh.match = {{{0, 0}, {160, 0}, {0, 120}}};
+  backdrop.mesh.ratio = {{1, 1, 1}};
+  backdrop.mesh.inverseDistance = backdrop.mesh.uncertainty = {0.25f, 0.25f, 0.25f};
+  backdrop.mesh.triangles = {{0, 2, 1}};
+  backdrop.mesh.tier = {kTierAgrees};
+  backdrop.mesh.ecc = {1};
+  addTo(backdrop.mesh);
+  scene.backdrops = {backdrop};
+  scene.nodes[1].depthFile = "depth/one.ktx2";
+  scene.nodes[1].depthScale = 0.25;
+  makeFolders(wall.folder / "scene/depth");
+  writeKtx2(wall.folder / "scene/depth/one.ktx2",
+            depthTexture({ImageF(40, 30, 1, 0.25f), ImageF(40, 30, 1, 0.75f)}, 160).texture);
+  saveScene(scene, wall.folder / "scene");
+  optimiseScene(wall.options(), doNothing);
+  CHECK(validateSceneFiles(wall.folder / "out").empty());
+  const Scene after = loadScene(wall.folder / "out");
+  CHECK(after.nodes[1].depthScale == 0.25);
+  CHECK(fs::equivalent(wall.folder / "scene/depth/one.ktx2", wall.folder / "out" / after.nodes[1].depthFile));
+  CHECK(after.backdrops.at(0).mesh.confirmations == backdrop.mesh.confirmations);
+  CHECK(after.backdrops.at(0).mesh.consensus == backdrop.mesh.consensus);
+  CHECK(after.cells.at(2).mesh.confirmations.empty());
 }
 
 TEST_CASE("points that moved get their place, ρ and label anew, all others keep every bit") {
