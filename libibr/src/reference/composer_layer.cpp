@@ -15,7 +15,6 @@ namespace ibr::reference {
 namespace {
 
 constexpr double kLargestJump = 2;       // steps between neighbours of a depth map that one surface joins
-constexpr double kMaskedAlpha = 0.5;     // below it a photograph's depth is that of something masked
 constexpr double kInsideMargin = -1e-9;  // of the weights: no gap between triangles that share an edge
 
 double trustOf(int confirmations) {
@@ -102,7 +101,7 @@ HypothesisMesh hypothesisMesh(const Intrinsics& photograph, const PhotographDept
 }
 
 std::vector<Hypothesis> drawLayer(const Camera& view, const Candidate& candidate, const HypothesisMesh& mesh) {
-  const Intrinsics &k = view.intrinsics, &own = candidate.camera.intrinsics;
+  const Intrinsics& k = view.intrinsics;
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
   const glm::dmat3 turn = glm::mat3_cast(toView * candidate.camera.pose.rotation);
   const glm::dvec3 shift = toView * (candidate.camera.pose.position - view.pose.position);
@@ -133,10 +132,6 @@ std::vector<Hypothesis> drawLayer(const Camera& view, const Candidate& candidate
             std::max(0.0, overW([](const HypothesisMesh::Vertex& v) { return v.inverseDepth; }));
         Hypothesis& here = layer[std::size_t(y) * std::size_t(k.width) + std::size_t(x)];
         if (here.trust > 0 && inverseDepth <= here.inverseDepth) continue;
-        if (candidate.masked) {
-          const auto pixel = project(own, overW([](const HypothesisMesh::Vertex& v) { return v.point; }));
-          if (pixel && alphaAt(candidate, *pixel) < kMaskedAlpha) continue;
-        }
         here = {inverseDepth, overW([](const HypothesisMesh::Vertex& v) { return v.trust; }) / sum,
                 overW([](const HypothesisMesh::Vertex& v) { return v.consensus; }) / sum};
       }

@@ -45,8 +45,8 @@ struct Hypothesis {
   double trust = 0, consensus = 0;  // trust 0: no hypothesis
 };
 
-/// Row by row at the view's size; the nearest surface wins. Masked parts of the photograph (alpha below .5) are no
-/// hypothesis.
+/// Row by row at the view's size; the nearest surface wins. Masked parts of a photograph vote too: their depth was
+/// completed from around the mask.
 std::vector<Hypothesis> drawLayer(const Camera& view, const Candidate& candidate, const HypothesisMesh& mesh);
 
 }  // namespace ibr::reference

@@ -105,22 +105,6 @@ TEST_CASE("the nearest surface wins, whatever the order; one at infinity is a su
   CHECK(std::ranges::all_of(far, [](const Hypothesis& h) { return h.inverseDepth == 0 && h.trust == 1; }));
 }
 
-TEST_CASE("masked parts of a photograph are no hypothesis, and let what is behind them through") {
-  HypothesisMesh mesh = quad({at({-9, -9, -5}), at({9, -9, -5}), at({9, 9, -5}), at({-9, 9, -5})});
-  std::vector<Image8> levels{Image8(kSide, kSide, 4, 255)};
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide / 2; ++x) levels[0].pixel(x, y)[3] = 0;
-  Candidate candidate = candidateAt(cameraAt({0, 0, 0}));
-  candidate.levels = &levels;
-  const auto draw = [&] { return reference::drawLayer(cameraAt({0, 0, 0}), candidate, mesh); };
-  CHECK(covered(draw()) == kSide * kSide);
-  candidate.masked = true;
-  const std::vector<Hypothesis> half = draw();
-  CHECK(covered(half) == kSide * kSide / 2);
-  CHECK(pixel(half, kSide / 2 - 1, 7).trust == 0);
-  CHECK(pixel(half, kSide / 2, 7).trust == 1);
-}
-
 TEST_CASE("a backdrop's triangles of tier 0 are hypotheses; more confirmations are trusted more") {
   const Intrinsics k = pinholeFromFov(kSide, kSide, 1.0);
   MorphMesh mesh;

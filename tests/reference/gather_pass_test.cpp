@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vote and gather on a device: against the reference implementation (promise P9), and relations that need none.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "gpu/transfer/gpu_image.h"
+#include "gpu/transfer/readback.h"
+#include "gpu/transfer/submit.h"
+#include "ibr/metrics.h"
+#include "image/half_float.h"
+#include "reference/gather_stage.h"
+#include "support/error_of.h"
+#include "support/gpu.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+// Pixels at edges of the candidates' meshes, which a device may snap to its sub-pixel grid: they are of another
+// surface then.
+constexpr double kMostSnapped = 0.01;
+
+const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
+
+VkExtent2D extentOf(const Camera& view) {
+  return {std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
+}
+
+Texture depthTextureOf(const ImageF& depth) {
+  Texture texture;
+  texture.format = TextureFormat::rg16f;
+  texture.width = depth.width;
+  texture.height = depth.height;
+  std::vector<std::byte>& bytes = texture.levels.emplace_back(2 * depth.values.size());
+  for (std::size_t i = 0; i < depth.values.size(); ++i) {
+    const std::uint16_t half = toHalf(depth.values[i]);
+    std::memcpy(&bytes[2 * i], &half, sizeof half);
+  }
+  return texture;
+}
+
+// A generated scene on the test device.
+class OnDevice {
+ public:
+  explicit OnDevice(const GatherStage& stage, std::uint64_t budget = 0)
+      : stage_(stage), gpuScene_(testDevice(), stage.made.scene, options(budget)) {}
+
+  GpuScene& gpuScene() { return gpuScene_; }
+  GpuScene::Memory memory() const { return gpuScene_.memory(); }
+  Renderer renderer(const FramePlan& plan, RendererOptions wanted) const {
+    for (const Camera& view : plan.views) {
+      wanted.largest.width = std::max(wanted.largest.width, extentOf(view).width);
+      wanted.largest.height = std::max(wanted.largest.height, extentOf(view).height);
+    }
+    wanted.views = std::uint32_t(plan.views.size());
+    return Renderer(testDevice(), gpuScene_, wanted);
+  }
+  Renderer renderer(const FramePlan& plan) const { return renderer(plan, optionsFor(plan.settings, {1, 1})); }
+
+  std::vector<Image8> render(const FramePlan& plan, const Renderer& renderer) const {
+    std::vector<Offscreen> offscreens;
+    std::vector<Target> targets;
+    for (const Camera& view : plan.views)
+      targets.push_back(offscreens.emplace_back(testDevice(), extentOf(view)).target());
+    std::vector<Image8> images;
+    for (Offscreen& offscreen : offscreens)
+      images.push_back(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, targets); }));
+    return images;
+  }
+  std::vector<Image8> render(const FramePlan& plan) const { return render(plan, renderer(plan)); }
+  Image8 image(const FramePlan& plan) const { return render(plan).front(); }
+
+  FrameBuffers buffers(const FramePlan& plan) const {
+    RendererOptions wanted = optionsFor(plan.settings, {1, 1});
+    wanted.buffers = &stage_.made.scene;
+    const Renderer renderer = this->renderer(plan, wanted);
+    OffscreenBuffers offscreen(testDevice(), extentOf(plan.views[0]));
+    return offscreen.render(
+        [&](VkCommandBuffer commands) { renderer.recordBuffers(commands, plan, 0, offscreen.targets()); });
+  }
+
+ private:
+  GpuSceneOptions options(std::uint64_t budget) const {
+    return {.source = [this](const Scene&, std::size_t node,
+                             int firstLevel) { return smallerLevels(Texture(stage_.textures[node]), firstLevel); },
+            .budgetBytes = budget,
+            .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
+            .filter = TextureFilter::trilinear};
+  }
+
+  const GatherStage& stage_;
+  GpuScene gpuScene_;
+};
+
+// The first channel of buffers, as compareGathered takes it.
+ImageF depthOf(const FrameBuffers& buffers) {
+  ImageF depth(buffers.surface.width, buffers.surface.height, 1);
+  for (std::size_t p = 0; p < depth.values.size(); ++p) depth.values[p] = buffers.surface.values[4 * p];
+  return depth;
+}
+
+void checkAgainstReference(const GatherStage& stage, const OnDevice& device, const FramePlan& plan) {
+  const std::vector<Image8> images = device.render(plan);
+  for (std::size_t view = 0; view < plan.views.size(); ++view) {
+    const reference::Composed twin = stage.compose(plan, view);
+    const GatherComparison compared =
+        compareGathered(twin, images[view], view == 0 ? depthOf(device.buffers(plan)) : ImageF());
+    INFO("differing " << compared.differing << ", excused " << compared.excused << ", depth " << compared.wrongDepth);
+    CHECK(compared.differing <= kMostSnapped);
+    CHECK(compared.wrongDepth <= kMostSnapped);
+    CHECK(compared.isExcusable());
+  }
+}
+
+const GatherStage& wall() {
+  static const GatherStage stage = gatherStage(wallOptions());
+  return stage;
+}
+const GatherStage& room() {
+  static const GatherStage stage = gatherStage(roomOptions());
+  return stage;
+}
+
+// Of red, green and blue.
+double largestDifference(const Image8& a, const Image8& b) {
+  double largest = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (std::size_t c = 0; c < 3; ++c)
+        largest = std::max(largest, std::abs(double(a.pixel(x, y)[c]) - double(b.pixel(x, y)[c])));
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("gather pass: a device draws what the reference implementation does") {
+  const OnDevice device(wall());
+  SECTION("as the defaults have it") {
+    checkAgainstReference(wall(), device, wall().plan(kBetween));
+  }
+  SECTION("from beside, behind and before the photographs") {
+    for (const Camera& view : {cameraAt({-0.3, 0.1, 0.2}, -0.1, 0, 120, 96), cameraAt({0.2, 0.2, 0.8}, 0, 0, 120, 96),
+                               cameraAt({0.3, 0, -1}, 0.1, 0, 120, 96, 1.4)})
+      checkAgainstReference(wall(), device, wall().plan(view));
+  }
+  SECTION("with other numbers of colours and surfaces, and other sizes of the vote") {
+    for (const std::uint32_t colours : {1u, 2u, 8u})
+      for (const std::uint32_t layers : {1u, 2u})
+        for (const double scale : {0.3, 1.0}) {
+          RenderSettings settings = GatherStage::gatherSettings();
+          settings.gatherColours = colours;
+          settings.gatherLayers = layers;
+          settings.voteScale = scale;
+          checkAgainstReference(wall(), device, wall().plan(std::vector{kBetween}, settings));
+        }
+  }
+  SECTION("with photographs of little weight") {
+    FramePlan plan = wall().plan(kBetween);
+    plan.photographs[0].weight = 0.2;
+    plan.photographs[2].weight = 0;
+    checkAgainstReference(wall(), device, plan);
+  }
+  SECTION("for two eyes") {
+    checkAgainstReference(
+        wall(), device,
+        wall().plan({cameraAt({0.2, 0.1, 0}, 0, 0, 120, 96), cameraAt({0.264, 0.1, 0}, 0, 0, 96, 120)}));
+  }
+}
+
+TEST_CASE("gather pass: panoramas agree with the reference implementation") {
+  const OnDevice device(room());
+  for (const double yaw : {0.0, 1.5, 3.1})
+    checkAgainstReference(room(), device, room().plan(cameraAt({0.2, 0.1, 0.1}, yaw, 0.3, 120, 96)));
+}
+
+TEST_CASE("gather pass: gains and masks agree with the reference implementation") {
+  GatherStage stage = gatherStage(wallOptions());
+  stage.made.scene.nodes[0].gain = {1.4, 1.0, 0.7};
+  stage.made.scene.nodes[1].gain = {0.6, 0.8, 1.3};
+  Image8 masked(stage.made.photographs[1].width, stage.made.photographs[1].height, 4, 255);
+  for (int y = 0; y < masked.height; ++y)
+    for (int x = 0; x < masked.width; ++x) {
+      std::ranges::copy(stage.made.photographs[1].pixel(x, y).first(3), masked.pixel(x, y).begin());
+      if (x > 60 && x < 140 && y > 40) masked.pixel(x, y)[3] = 0;
+    }
+  stage.setPhotograph(1, std::move(masked));
+  const OnDevice device(stage);
+  FramePlan plan = stage.plan(kBetween);
+  plan.exposure = {1.1, 1.2, 0.9};
+  checkAgainstReference(stage, device, plan);
+}
+
+TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
+  const OnDevice device(wall());
+  for (std::size_t n = 0; n < wall().made.scene.nodes.size(); ++n) {
+    const Image8 image = device.image(wall().plan(wall().made.scene.nodes[n].camera));
+    CHECK(psnr(image, wall().made.photographs[n]) > 45);
+    CHECK(largestDifference(image, wall().made.photographs[n]) <= 2);
+  }
+}
+
+TEST_CASE("gather pass: two views at once are the same as one by one") {
+  const OnDevice device(wall());
+  const FramePlan both =
+      wall().plan({cameraAt({0.2, 0.1, 0}, 0, 0, 120, 96), cameraAt({0.264, 0.1, 0}, 0, 0, 120, 96)});
+  const std::vector<Image8> together = device.render(both);
+  for (std::size_t view = 0; view < 2; ++view) {
+    FramePlan one = both;  // distances stay those of the middle
+    one.views = {both.views[view]};
+    CHECK(device.image(one) == together[view]);
+  }
+  RendererOptions single = optionsFor(both.settings, {1, 1});
+  single.multiview = false;
+  CHECK(device.render(both, device.renderer(both, single)) == together);
+}
+
+TEST_CASE("gather pass: the order of the photographs changes no image") {
+  const OnDevice device(wall());
+  FramePlan plan = wall().plan(kBetween);
+  const Image8 image = device.image(plan);
+  std::ranges::rotate(plan.photographs, plan.photographs.begin() + 1);
+  CHECK(largestDifference(image, device.image(plan)) <= 1);
+}
+
+TEST_CASE("gather pass: a frame that is recorded again is the same, whatever was drawn between") {
+  const OnDevice device(wall());
+  const FramePlan plan = wall().plan(kBetween), other = wall().plan(cameraAt({0.4, 0, 0.3}, 0.3, 0, 100, 100));
+  RendererOptions wanted = optionsFor(plan.settings, {160, 120});
+  const Renderer renderer = device.renderer(plan, wanted);
+  const std::vector<Image8> first = device.render(plan, renderer);
+  device.render(other, renderer);
+  CHECK(device.render(plan, renderer) == first);
+}
+
+TEST_CASE("gather pass: under a budget the image is the same as soon as its photographs are there") {
+  const OnDevice whole(wall());
+  const FramePlan plan = wall().plan(kBetween);
+  const std::uint64_t all = whole.memory().sum();
+  OnDevice streamed(wall(), all - 1);
+  REQUIRE(streamed.gpuScene().streams());
+  std::uint64_t frame = 0;
+  GpuScene::Streamed state;
+  do {
+    ++frame;
+    submitAndWait(testDevice(), [&](VkCommandBuffer commands) {
+      state = streamed.gpuScene().stream(commands, plan, frame, frame - 1);
+    });
+  } while (state.waiting > 0 && frame < 100);
+  CHECK(state.needed == 3);
+  CHECK(streamed.gpuScene().memory().sum() <= all);
+  const Image8 image = streamed.image(plan);
+  if (state.withoutRoom == 0) CHECK(image == whole.image(plan));
+  CHECK(psnr(image, whole.image(plan)) > 25);
+}
+
+TEST_CASE("gather pass: what a renderer counts is what it allocates for the gather, and nothing without it") {
+  const OnDevice device(wall());
+  const FramePlan plan = wall().plan(kBetween);
+  const Renderer gathers = device.renderer(plan);
+  const Renderer::Counters counted = gathers.count(plan);
+  CHECK(counted.bytes.gather > 0);
+  CHECK(counted.dispatches > 1);
+  CHECK(counted.draws >= 3 + 1 + 1);
+  FramePlan cells = plan;
+  cells.settings.composition = Composition::cells;
+  cells.photographs.clear();
+  CHECK(device.renderer(cells).count(cells).bytes.gather == 0);
+}
+
+TEST_CASE("gather pass: tiers beyond the lowest are not drawn") {
+  GatherOptions options = wallOptions();
+  options.evidence = [](std::size_t, glm::dvec2 pixel) { return pixel.x < 60 ? Evidence{0, 0.1f} : Evidence{}; };
+  const GatherStage stage = gatherStage(options);
+  const OnDevice device(stage);
+  RenderSettings settings = GatherStage::gatherSettings();
+  const Image8 all = device.image(stage.plan(std::vector{kBetween}, settings));
+  settings.lowestTier = kTierAgrees;
+  const Image8 agreed = device.image(stage.plan(std::vector{kBetween}, settings));
+  std::size_t left = 0;
+  for (std::size_t p = 0; p < all.values.size(); p += 4) {
+    const bool confirmed = all.values[p + 3] == 255;
+    left += !confirmed;
+    if (agreed.values[p + 3] != (confirmed ? 255 : 0)) FAIL("pixel " << p / 4);
+  }
+  CHECK(left > 100);
+}
+
+TEST_CASE("gather pass: depth of a target is that of the nearest surface that hides what is behind") {
+  const OnDevice device(wall());
+  FramePlan plan = wall().plan(kBetween);
+  plan.nearDistance = 0.5;
+  const VkExtent2D extent = extentOf(kBetween);
+  RendererOptions wanted = optionsFor(plan.settings, extent);
+  wanted.depth = true;
+  const Renderer renderer = device.renderer(plan, wanted);
+  Offscreen offscreen(testDevice(), extent);
+  const GpuImage image(testDevice(),
+                       {.format = VK_FORMAT_D32_SFLOAT,
+                        .extent = extent,
+                        .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                        .aspect = VK_IMAGE_ASPECT_DEPTH_BIT},
+                       "caller's depth");
+  Target target = offscreen.target();
+  target.depth = DepthTarget{.image = image.get(), .view = image.view(), .nearPlane = 0.5};
+  const Image8 picture = offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); });
+  CHECK(picture == device.image(plan));  // depth changes no colour
+  const std::vector<std::byte> bytes =
+      readImage(testDevice(), image.get(), extent, 4, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  const reference::Composed twin = wall().compose(plan);
+  std::size_t wrong = 0;
+  for (std::size_t p = 0; p < twin.opaqueInverseDepth.values.size(); ++p) {
+    float value;
+    std::memcpy(&value, &bytes[4 * p], sizeof value);
+    const double rho = (1 - double(value)) / 0.5;  // an infinite far plane
+    wrong += std::abs(rho - double(twin.opaqueInverseDepth.values[p])) > 1e-3;
+  }
+  CHECK(double(wrong) <= kMostSnapped * double(twin.opaqueInverseDepth.values.size()));
+}
+
+TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as without it") {
+  const OnDevice device(wall());
+  const FramePlan plan = wall().plan(kBetween);
+  RendererOptions wanted = optionsFor(plan.settings, {1, 1});
+  wanted.fill = false;
+  const Image8 all = device.render(plan, device.renderer(plan, wanted)).front();
+  wanted.hiddenArea[0] = {{-9, -9}, {0, -9}, {-9, 9}, {0, -9}, {0, 9}, {-9, 9}};  // left of the middle
+  const Image8 half = device.render(plan, device.renderer(plan, wanted)).front();
+  const double middle = kBetween.intrinsics.cx;
+  for (int y = 0; y < all.height; ++y)
+    for (int x = 0; x < all.width; ++x) {
+      if (x + 1 < middle) CHECK(half.pixel(x, y)[3] == 0);
+      if (x > middle + 1) CHECK(std::ranges::equal(half.pixel(x, y), all.pixel(x, y)));
+    }
+}
+
+TEST_CASE("gather pass: a view that moves by a thousandth of the spacing changes no tile by much") {
+  const OnDevice device(wall());
+  const double step = 0.0005;  // of a spacing of half a unit
+  const auto at = [&](int i) {
+    FramePlan plan = wall().plan(cameraAt({0.1 + step * i, 0.15 + 0.3 * step * i, 0.03}, 0.02, 0, 160, 128));
+    plan.nearDistance = 0.05;
+    return plan;
+  };
+  const Renderer renderer = device.renderer(at(0));
+  constexpr int kTile = 32;
+  std::size_t tiles = 0, beyond = 0;
+  double largest = 0;
+  Image8 before = device.render(at(0), renderer).front();
+  for (int i = 1; i <= 60; ++i) {
+    Image8 now = device.render(at(i), renderer).front();
+    for (int top = 0; top + kTile <= now.height; top += kTile)
+      for (int left = 0; left + kTile <= now.width; left += kTile) {
+        double sum = 0;
+        for (int y = top; y < top + kTile; ++y)
+          for (int x = left; x < left + kTile; ++x)
+            for (std::size_t c = 0; c < 3; ++c)
+              sum += std::abs(double(now.pixel(x, y)[c]) - double(before.pixel(x, y)[c]));
+        const double mean = sum / (3.0 * kTile * kTile);
+        ++tiles;
+        beyond += mean > 2;
+        largest = std::max(largest, mean);
+      }
+    before = std::move(now);
+  }
+  CHECK(double(beyond) <= 0.001 * double(tiles));
+  CHECK(largest <= 8);
+}
+
+TEST_CASE("gather pass: a hybrid shows tier 0 of the cells, and gathers the rest") {
+  SyntheticOptions options;
+  options.cameras = wallOptions().cameras;
+  options.planes = wallOptions().planes;
+  options.cells = {{0, 1, 2}};
+  options.gridStep = 8;
+  const SyntheticScene cells = makeScene(options);
+  GatherStage stage = gatherStage(wallOptions());
+  stage.made.scene.cells = cells.scene.cells;
+  const OnDevice device(stage);
+  const SceneBounds bounds = sceneBounds(stage.made.scene);
+  RenderSettings settings = GatherStage::gatherSettings();
+  const auto drawn = [&](Composition composition, int lowestTier) {
+    settings.composition = composition;
+    settings.lowestTier = lowestTier;
+    return device.image(planFrame(stage.made.scene, bounds, {{kBetween}, settings}));
+  };
+  const Image8 agreed = drawn(Composition::cells, kTierAgrees), gathered = drawn(Composition::gathered, kTierFilled),
+               hybrid = drawn(Composition::hybrid, kTierFilled);
+  std::size_t cellPixels = 0, gatheredPixels = 0;
+  for (std::size_t p = 0; p < hybrid.values.size(); p += 4) {
+    const bool isCell = agreed.values[p + 3] == 255;
+    (isCell ? cellPixels : gatheredPixels) += 1;
+    const Image8& from = isCell ? agreed : gathered;
+    if (!std::equal(&hybrid.values[p], &hybrid.values[p] + 3, &from.values[p])) FAIL("pixel " << p / 4);
+  }
+  CHECK(cellPixels > 1000);
+  CHECK(gatheredPixels > 100);
+}
+
+TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
+  GatherStage stage = gatherStage(wallOptions());
+  for (Cell& backdrop : stage.made.scene.backdrops) {
+    backdrop.mesh.confirmations.clear();
+    backdrop.mesh.consensus.clear();
+  }
+  RenderSettings settings = GatherStage::gatherSettings();
+  const FramePlan plan = planFrame(stage.made.scene, sceneBounds(stage.made.scene), {{kBetween}, settings});
+  CHECK(plan.settings.composition == Composition::cells);
+  CHECK(plan.photographs.empty());
+  settings.composition = Composition::cells;
+  const OnDevice device(stage);
+  const FramePlan cells = planFrame(stage.made.scene, sceneBounds(stage.made.scene), {{kBetween}, settings});
+  CHECK(device.image(plan) == device.image(cells));
+}
+
+TEST_CASE("gather pass: settings that do not go with the gather are refused by name") {
+  const Scene& scene = wall().made.scene;
+  const SceneBounds bounds = sceneBounds(scene);
+  const auto refused = [&](auto change, const char* field) {
+    RenderSettings settings = GatherStage::gatherSettings();
+    change(settings);
+    CHECK_THAT(std::string(errorOf([&] {
+                             planFrame(scene, bounds, {{kBetween}, settings});
+                           }).what()),
+               Catch::Contains(field));
+  };
+  refused([](RenderSettings& s) { s.gatherCandidates = 0; }, "gatherCandidates");
+  refused([](RenderSettings& s) { s.gatherCandidates = kMaxGatherCandidates + 1; }, "gatherCandidates");
+  refused([](RenderSettings& s) { s.gatherColours = 0; }, "gatherColours");
+  refused([](RenderSettings& s) { s.gatherColours = kMaxGatherColours + 1; }, "gatherColours");
+  refused([](RenderSettings& s) { s.gatherLayers = 3; }, "gatherLayers");
+  refused([](RenderSettings& s) { s.voteScale = 0; }, "voteScale");
+  refused([](RenderSettings& s) { s.voteScale = 1.5; }, "voteScale");
+  refused([](RenderSettings& s) { s.order = DrawOrder::paper; }, "order");
+  refused([](RenderSettings& s) { s.colourMapping = ColourMapping::paper; }, "colourMapping");
+}
