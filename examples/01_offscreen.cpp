@@ -16,7 +16,8 @@ int main(int argc, char** argv) try {
   ibr::Device device = ibr::Device::create();
   const ibr::Scene scene = ibr::loadScene(argv[1]);
   const ibr::GpuScene gpuScene(device, scene);
-  const ibr::Renderer renderer(device, gpuScene, {{960, 540}});
+  const ibr::RenderSettings settings = ibr::preset(ibr::Preset::balanced);
+  const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, {960, 540}));
   ibr::Offscreen offscreen(device, {960, 540});
 
   // Stand in the middle of the first cell and look where its photographs look.
@@ -27,7 +28,7 @@ int main(int argc, char** argv) try {
     view.pose.position += scene.nodes[member].camera.pose.position / double(cell.members.size());
   view.pose.rotation = scene.nodes[cell.members[0]].camera.pose.rotation;
 
-  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, {}});
+  const ibr::FramePlan plan = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, settings});
   const ibr::Image8 picture =
       offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
 

@@ -175,6 +175,8 @@ TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
     CHECK(settings.exposure == Exposure::adapted);
     CHECK(settings.colourMapping == ColourMapping::off);
     CHECK(options.colour == ColourSupport::off);
+    CHECK(settings.lowestTier == (name == Preset::fast ? kTierBackdrop : kTierFilled));
+    CHECK(options.fill == (name != Preset::fast));
   }
   CHECK(preset(Preset::balanced).maxCells == RenderSettings{}.maxCells);
 }

@@ -57,6 +57,26 @@ TEST_CASE("masked members give way to the others, and to what lies behind, as th
   }
 }
 
+TEST_CASE("what masks leave out of all photographs stays empty with every preset") {
+  const Stage stage(testDevice(), maskedPlace(2));
+  const Camera view = cameraAt({0.4, 0.25, 0.1}, 0.03);
+  RenderSettings settings = withTiers();
+  settings.lowestTier = kTierBackdrop;
+  const auto holes = [](const Image8& picture) {
+    std::size_t count = 0;
+    for (std::size_t a = 3; a < picture.values.size(); a += 4) count += picture.values[a] == 0;
+    return count;
+  };
+  const std::size_t unfilled = holes(stage.render(view, settings));
+  CHECK(unfilled > 1000);
+  for (const Preset name : {Preset::balanced, Preset::accurate, Preset::reference}) {
+    settings = preset(name);
+    settings.alpha = AlphaContent::tier;
+    CHECK(holes(stage.render(view, settings)) == unfilled);
+    CHECK(holes(Stage(testDevice(), makeScene(place(2))).render(view, settings)) == 0);
+  }
+}
+
 TEST_CASE("at a masked photograph's own pose the others show, though they weigh nothing there") {
   SyntheticScene made = makeScene(place(2));
   maskBlocks(made, 0, {{120, 90, 200, 150}});

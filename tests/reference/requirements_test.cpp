@@ -285,6 +285,11 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK(runs("panorama coordinates", requirementsOf(room(3).scene, options)));
   CHECK_FALSE(runs("panorama coordinates", r));
   CHECK(runs("tier 1, from one photograph", r));
+  CHECK((r.fill && runs("filling", r)));
+  place.scene.nodes[2].maskFile = "masks/2.png";  // what a mask leaves out is not filled
+  const Requirements masked = requirementsOf(place.scene, options);
+  CHECK(masked.masked == 1);
+  CHECK_FALSE((masked.fill || runs("filling", masked)));
 }
 
 TEST_CASE("cells and backdrops that are called hidden change no pixel") {

@@ -272,9 +272,7 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (options.explain) {
     report["stages"] = Json::array();
     context.print("\nstages that this scene needs\n");
-    RenderSettings settings = preset(Preset::balanced);
-    settings.lowestTier = kTierFilled;
-    const RendererOptions renderer = optionsFor(settings, {1, 1});
+    const RendererOptions renderer = optionsFor(preset(Preset::balanced), {1, 1});
     for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
       context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});

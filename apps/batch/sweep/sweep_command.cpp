@@ -153,8 +153,6 @@ const Command kSweepCommand{
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
       EvaluationOptions& evaluation = options->sweep.evaluation;
-      evaluation.settings.maxCells = 1;
-      evaluation.settings.lowestTier = kTierAgrees;
       app.add_option("SCENE", options->sweep.scene, "Scene folder")->required();
       app.add_option("--truth", options->sweep.truth, "Held-out photographs with their poses")
           ->required()
@@ -166,7 +164,10 @@ const Command kSweepCommand{
       declareCellsOnly(app, options->sweep.cells, "Optimise these cells, by number [those that the views show]");
       declareSweepLists(app, options->lists);
       app.add_flag("--list", options->list, "Only say which settings there are");
-      declareSettings(app, evaluation.settings);
+      RenderSettings defaults = preset(Preset::balanced);
+      defaults.maxCells = 1;
+      defaults.lowestTier = kTierAgrees;
+      declareSettings(app, evaluation.settings, defaults);
       declareGpuScene(app, evaluation.gpuScene);
       app.callback([options, &app] { options->command = commandText("ibr sweep", givenWords(app)); });
       return [options](const Context& context) { return sweep(*options, context); };

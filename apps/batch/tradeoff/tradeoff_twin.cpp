@@ -48,7 +48,8 @@ ImplementationError errorOf(const Image8& picture, const reference::Picture& twi
 
 std::vector<ImplementationError> implementationErrors(TradeoffStage& stage, const std::vector<View>& views,
                                                       const std::function<void()>& step) {
-  const TradeoffWay way{.settings = preset(Preset::balanced), .filter = TextureFilter::trilinear};
+  TradeoffWay way{.settings = preset(Preset::balanced), .filter = TextureFilter::trilinear};
+  way.settings.lowestTier = kTierBackdrop;  // the reference implementation fills no holes
   const std::vector<std::vector<Image8>> textures = texturesOf(stage.scene(way));
   std::vector<ImplementationError> errors;
   for (const View& view : views) {

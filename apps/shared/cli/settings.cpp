@@ -39,7 +39,8 @@ RenderSettings presetOver(const RenderSettings& settings, Preset preset) {
   return chosen;
 }
 
-void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
+void declarePictureSettings(CLI::App& app, RenderSettings& settings, const RenderSettings& defaults) {
+  settings = defaults;
   // Declared first, so that what is given explicitly comes later and wins.
   app.add_option_function<std::string>(
          "--preset",
@@ -69,7 +70,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
             "Photographs vote for depth in an image whose sides are X of the drawn one's");
   addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
          "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
-         "fills what is still empty from around");
+         "fills holes from around, unless photographs have masks");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
                    "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
@@ -111,8 +112,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings) {
          "Along a path, colour tables of ours are made anew every N frames");
 }
 
-void declareSettings(CLI::App& app, RenderSettings& settings) {
-  declarePictureSettings(app, settings);
+void declareSettings(CLI::App& app, RenderSettings& settings, const RenderSettings& defaults) {
+  declarePictureSettings(app, settings, defaults);
   addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");

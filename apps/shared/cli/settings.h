@@ -13,11 +13,13 @@
 
 namespace ibr::app {
 
-/// All of them.
-void declareSettings(CLI::App& app, RenderSettings& settings);
+/// Declares all of them. `settings` becomes `defaults`.
+void declareSettings(CLI::App& app, RenderSettings& settings,
+                     const RenderSettings& defaults = preset(Preset::balanced));
 
-/// Without --cells, --order and --colour, for a command that tries several of each.
-void declarePictureSettings(CLI::App& app, RenderSettings& settings);
+/// The same without --cells, --order and --colour, for a command that tries several of each.
+void declarePictureSettings(CLI::App& app, RenderSettings& settings,
+                            const RenderSettings& defaults = preset(Preset::balanced));
 
 /// --overlay, --mute and --solo, for programs whose pictures are looked at.
 void declareOverlays(CLI::App& app, RenderSettings& settings);

@@ -11,11 +11,11 @@ namespace {
 const char* descriptionOf(Preset preset) {
   switch (preset) {
     case Preset::fast:
-      return "few cells, none far away";
+      return "few cells, none far away, holes stay";
     case Preset::balanced:
-      return "as it comes";
+      return "the default: holes filled";
     case Preset::accurate:
-      return "more cells, holes filled";
+      return "more cells";
     case Preset::reference:
       return "all that there is, at any cost";
   }

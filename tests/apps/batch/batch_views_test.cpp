@@ -95,7 +95,9 @@ TEST_CASE("a preset is all settings, and what is given beside it wins, wherever 
     return nlohmann::json::parse(outcome.out).at("settings");
   };
   const auto fast = settings({"--preset", "fast"});
-  CHECK((fast["cells"] == 2 && fast["backdrops"] == 4 && fast["extrapolation"] == 1.0));
+  CHECK((fast["cells"] == 2 && fast["backdrops"] == 4 && fast["extrapolation"] == 1.0 && fast["tiers"] == 2));
+  CHECK(settings({}) == settings({"--preset", "balanced"}));
+  CHECK(settings({})["tiers"] == 3);
   for (const auto& mixed :
        {settings({"--preset", "fast", "--cells", "7"}), settings({"--cells", "7", "--preset", "fast"})})
     CHECK((mixed["cells"] == 7 && mixed["backdrops"] == 4));

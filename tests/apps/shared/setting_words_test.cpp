@@ -72,6 +72,25 @@ TEST_CASE("a scene's settings come back from their words") {
   }
 }
 
+TEST_CASE("settings start as the preset balanced or as a command's own defaults, and options win") {
+  RenderSettings settings = preset(Preset::reference);
+  CLI::App plain;
+  declareSettings(plain, settings);
+  parse(plain, {});
+  CHECK((settings == preset(Preset::balanced)));
+  CHECK(settings.lowestTier == kTierFilled);
+  parse(plain, {"--tiers", "2", "--preset", "accurate"});
+  CHECK(settings.lowestTier == kTierBackdrop);
+  CHECK(settings.maxCells == preset(Preset::accurate).maxCells);
+
+  RenderSettings defaults;
+  defaults.maxCells = 3;
+  CLI::App own;
+  declareSettings(own, settings, defaults);
+  parse(own, {});
+  CHECK((settings == defaults));
+}
+
 TEST_CASE("overlays and chosen cells come back from their words") {
   for (const OverlayWord& line : kOverlays) {
     RenderSettings settings;

@@ -372,6 +372,24 @@ TEST_CASE("backdrops come before cells that are further away than twice their ph
   CHECK(share({1.2, 0, 0}, 0) == 0);
 }
 
+TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays the same") {
+  Scene scene = stackedGrid();
+  scene.backdrops.push_back(cellOf(scene, {0}));
+  const auto lowestTier = [&](const RenderSettings& settings) {
+    return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.lowestTier;
+  };
+  const RenderSettings balanced = preset(Preset::balanced);
+  CHECK(lowestTier(balanced) == kTierFilled);
+  const FramePlan filled = planOf(scene, cameraAt({0.1, 0, 0.1}), balanced);
+  scene.nodes.back().maskFile = "mask.png";
+  for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference})
+    CHECK(lowestTier(preset(name)) == kTierBackdrop);
+  CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).backdrops.size() == filled.backdrops.size());
+  RenderSettings few;
+  few.lowestTier = kTierAgrees;
+  CHECK(lowestTier(few) == kTierAgrees);
+}
+
 TEST_CASE("a backdrop passes a cell about half of its distance, over a twentieth of that distance") {
   for (const double scale : {1e-3, 1.0, 1e4}) {  // world units
     FramePlan plan;

@@ -3,7 +3,8 @@
 //
 // Departures: a cell overtakes another only by a margin, and cells with equal keys are told apart by their members'
 // positions, so that the order of cells in a file means nothing (cell_choice.h); for two views one order is made from
-// the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other changes fade (transition.h).
+// the pose in their middle ([T] §2.5.4); a switch of the main cell is mixed, other changes fade (transition.h); holes
+// of a scene with a mask are not filled, since the mask may have made them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -67,6 +68,10 @@ void checkGather(const RenderSettings& settings) {
         "settings: the paper's colourMapping is for composition cells only");
 }
 
+bool hasMask(const Scene& scene) {
+  return std::ranges::any_of(scene.nodes, [](const Node& node) { return !node.maskFile.empty(); });
+}
+
 // The pose in the middle: of two views the mean position and the rotation half-way.
 Pose middleOf(const std::vector<Camera>& views) {
   const Pose &first = views.front().pose, &last = views.back().pose;
@@ -91,6 +96,7 @@ class Planner {
       planes_.push_back(frustum(view));
     }
     plan_.settings = settings_;
+    if (settings_.lowestTier >= kTierFilled && hasMask(scene)) plan_.settings.lowestTier = kTierBackdrop;
     middle_ = middleOf(plan_.views);
     dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
     seconds_ = state.secondsSinceSwitch + dt_;

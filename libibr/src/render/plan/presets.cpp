@@ -4,14 +4,16 @@
 
 namespace ibr {
 
-// Chosen from the measured front of time and error over places of several kinds (libibr/docs/tradeoff.md). Fewer cells
-// cost less of the picture than a smaller picture does; more backdrops, or a larger picture, show no more; what fills
-// holes shows most of all where there are any. Colours as they come: where gains are known mapping loses, where they
-// are not it hardly wins.
+// Chosen from the measured front of time and error over scenes of several kinds (libibr/docs/tradeoff.md). Fewer cells
+// cost less of the picture than a smaller picture does; more backdrops, or a larger picture, show no more; filling
+// holes wins most where there are any, so that only `fast` does without. No colour mapping: where gains are known it
+// loses, where they are not it hardly wins.
 RenderSettings preset(Preset preset) {
   RenderSettings s;
+  s.lowestTier = kTierFilled;
   switch (preset) {
     case Preset::fast:
+      s.lowestTier = kTierBackdrop;
       s.maxCells = 2;
       s.maxBackdrops = 4;
       s.extrapolationLimit = 1;
@@ -20,13 +22,11 @@ RenderSettings preset(Preset preset) {
       break;
     case Preset::accurate:
       s.maxCells = 24;
-      s.lowestTier = kTierFilled;
       s.colourProxy = 4;
       break;
     case Preset::reference:
       s.maxCells = kLargestCellCount;
       s.maxBackdrops = kLargestBackdropCount;
-      s.lowestTier = kTierFilled;
       s.colourProxy = 2;
       s.colourPeriod = 1;
       s.shareEyeColours = false;

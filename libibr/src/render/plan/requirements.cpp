@@ -54,7 +54,7 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.noise = r.dissolve || r.colourSequence ||  // whose counting chooses pixels by it
             (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
   r.switchMixing = several && options.switchMixing;
-  r.fill = any && options.fill;
+  r.fill = any && options.fill && r.masked == 0;  // planFrame fills no scene with a mask
   r.depth = options.depth;
   r.multiview = any && options.views == 2 && options.multiview;
   r.overlays.clear();
@@ -112,7 +112,10 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("colour tables", r.colourTables,
       r.colourTables ? "exposures may differ" : (r.cells > 1 ? "not asked for" : alone));
   add("the paper's colour sequence", r.colourSequence, r.colourSequence ? "asked for" : "not asked for");
-  add("filling", r.fill, r.fill ? "what nothing shows is filled" : "not asked for");
+  add("filling", r.fill,
+      r.fill                         ? "holes are filled"
+      : options.fill && r.masked > 0 ? "photographs have masks, and what they leave out is not filled"
+                                     : "not asked for");
   add("depth for polygons", r.depth, r.depth ? "asked for" : "not asked for");
   add("both eyes at once", r.multiview, r.multiview ? "there are two views" : "one view, or not asked for");
   add("overlays", !r.overlays.empty(), r.overlays.empty() ? "not asked for" : "asked for");
