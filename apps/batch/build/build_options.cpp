@@ -134,7 +134,7 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       "Make no backdrops: where cells show nothing, holes stay");
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
-                 "Least distance of a backdrop's vertices in px of a picture of 512 px [8]");
+                 "Least distance of a backdrop's vertices in px of a picture of 512 px [4]");
   app.add_flag("--optimise{gradient}", choices.optimise,
                "Optimise the cells as ibr optimise does, or, as --optimise=METHOD, another way")
       ->check([](const std::string& word) {

@@ -178,7 +178,7 @@ struct BuildOptions {
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
-  int backdropSpacing = 8;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
+  int backdropSpacing = 4;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   std::filesystem::path finishedCells;  // folder in which finished cells and backdrops are kept for further builds,
                                         // whose results they never change; empty: in the output, until it is finished
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
