@@ -7,8 +7,10 @@
 #include "shaders/cell_frag.h"
 #include "shaders/cell_vert.h"
 #include "shaders/colour_tables_comp.h"
+#include "shaders/gather_frag.h"
 #include "shared/cell.h"
 #include "shared/colour_map.h"
+#include "shared/gather.h"
 
 using ibr::shader::CellExposure;
 using ibr::shader::CellMember;
@@ -66,4 +68,48 @@ TEST_CASE("what the colour passes share lies in memory as their shaders read it"
   CHECK(slot == std::map<std::string, std::uint32_t>{{"owner", offsetof(ColourSlot, owner)},
                                                      {"shown", offsetof(ColourSlot, shown)},
                                                      {"target", offsetof(ColourSlot, target)}});
+}
+
+TEST_CASE("candidates of the gather lie in memory as its shaders read them") {
+  using ibr::shader::GatherCandidate;
+  using ibr::shader::GatherConstants;
+  using ibr::shader::GatherView;
+  const std::map<std::string, std::uint32_t> candidate{{"toView", offsetof(GatherCandidate, toView)},
+                                                       {"place", offsetof(GatherCandidate, place)},
+                                                       {"toPhotograph", offsetof(GatherCandidate, toPhotograph)},
+                                                       {"shift", offsetof(GatherCandidate, shift)},
+                                                       {"focal", offsetof(GatherCandidate, focal)},
+                                                       {"principal", offsetof(GatherCandidate, principal)},
+                                                       {"width", offsetof(GatherCandidate, width)},
+                                                       {"focalPx", offsetof(GatherCandidate, focalPx)},
+                                                       {"weight", offsetof(GatherCandidate, weight)},
+                                                       {"voteWeight", offsetof(GatherCandidate, voteWeight)},
+                                                       {"distanceCost", offsetof(GatherCandidate, distanceCost)},
+                                                       {"step", offsetof(GatherCandidate, step)},
+                                                       {"residual", offsetof(GatherCandidate, residual)},
+                                                       {"depthScale", offsetof(GatherCandidate, depthScale)},
+                                                       {"slot", offsetof(GatherCandidate, slot)},
+                                                       {"layer", offsetof(GatherCandidate, layer)},
+                                                       {"depthSlot", offsetof(GatherCandidate, depthSlot)},
+                                                       {"depthLayer", offsetof(GatherCandidate, depthLayer)},
+                                                       {"panorama", offsetof(GatherCandidate, panorama)},
+                                                       {"gain", offsetof(GatherCandidate, gain)},
+                                                       {"slope", offsetof(GatherCandidate, slope)}};
+  CHECK(offsetsOf(ibr::shaders::gather_frag, "GatherCandidate") == candidate);
+  const std::map<std::string, std::uint32_t> view{
+      {"candidate", offsetof(GatherView, candidate)}, {"projection", offsetof(GatherView, projection)},
+      {"toRay", offsetof(GatherView, toRay)},         {"spacing", offsetof(GatherView, spacing)},
+      {"step", offsetof(GatherView, step)},           {"focalPx", offsetof(GatherView, focalPx)},
+      {"detail", offsetof(GatherView, detail)},       {"nearDistance", offsetof(GatherView, nearDistance)},
+      {"count", offsetof(GatherView, count)},         {"lowestTier", offsetof(GatherView, lowestTier)}};
+  CHECK(offsetsOf(ibr::shaders::gather_frag, "GatherView") == view);
+  const std::map<std::string, std::uint32_t> constants{{"extent", offsetof(GatherConstants, extent)},
+                                                       {"voteExtent", offsetof(GatherConstants, voteExtent)},
+                                                       {"tile", offsetof(GatherConstants, tile)},
+                                                       {"view", offsetof(GatherConstants, view)},
+                                                       {"depthFirst", offsetof(GatherConstants, depthFirst)},
+                                                       {"depthSpan", offsetof(GatherConstants, depthSpan)}};
+  CHECK(offsetsOf(ibr::shaders::gather_frag, "GatherConstants") == constants);
+  CHECK(sizeof(GatherView) == ibr::shader::kMaxGathered * sizeof(GatherCandidate) + offsetof(GatherView, lowestTier) +
+                                  4 - offsetof(GatherView, projection));
 }
