@@ -63,8 +63,7 @@ Sight sightOf(int k, vec3 ray, float rho) {
     sight.at = views[v].candidate[k].principal + views[v].candidate[k].focal * tangent;
     const vec2 inside = min(sight.at, 1.0 - sight.at);
     // In widths: the border is equally wide on all sides.
-    const float square = views[v].candidate[k].focal.x / views[v].candidate[k].focal.y;
-    const float least = min(inside.x, inside.y * square);
+    const float least = min(inside.x, inside.y * views[v].candidate[k].aspect);
     if (least < 0.0) return sight;
     border = min(least / kGatherBorder, 1.0);
     here = rho / -direction.z;

@@ -55,7 +55,7 @@ struct GatherCandidate {
   vec3 shift;      // of the view from the photograph, photograph axes
   vec2 focal;      // in widths and heights; of a panorama unused
   vec2 principal;  // likewise
-  float width;     // px
+  float aspect;    // height / width
   float focalPx;   // px a radian in the middle
   float weight;    // as a whole, 0 to 1
   float voteWeight;    // weight / (kGatherNearness + d²)

@@ -80,7 +80,7 @@ TEST_CASE("candidates of the gather lie in memory as its shaders read them") {
                                                        {"shift", offsetof(GatherCandidate, shift)},
                                                        {"focal", offsetof(GatherCandidate, focal)},
                                                        {"principal", offsetof(GatherCandidate, principal)},
-                                                       {"width", offsetof(GatherCandidate, width)},
+                                                       {"aspect", offsetof(GatherCandidate, aspect)},
                                                        {"focalPx", offsetof(GatherCandidate, focalPx)},
                                                        {"weight", offsetof(GatherCandidate, weight)},
                                                        {"voteWeight", offsetof(GatherCandidate, voteWeight)},

@@ -66,7 +66,7 @@ shader::GatherView gatherView(const GpuScene::State& scene, const FramePlan& pla
     c.shift = toPhotograph * -between;
     c.focal = {float(own.fx / own.width), float(own.fy / own.height)};
     c.principal = {float(own.cx / own.width), float(own.cy / own.height)};
-    c.width = float(own.width);
+    c.aspect = float(double(own.height) / own.width);
     c.focalPx = float(focal);
     c.weight = float(planned.weight);
     c.voteWeight = float(planned.weight / (double(shader::kGatherNearness) + distance * distance));
