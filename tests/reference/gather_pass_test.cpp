@@ -136,7 +136,7 @@ double largestDifference(const Image8& a, const Image8& b) {
 
 }  // namespace
 
-TEST_CASE("gather pass: a device draws what the reference implementation does") {
+TEST_CASE("gather pass: a device draws what the reference implementation does", "[P9]") {
   const OnDevice device(wall());
   SECTION("as the defaults have it") {
     checkAgainstReference(wall(), device, wall().plan(kBetween));
@@ -170,13 +170,13 @@ TEST_CASE("gather pass: a device draws what the reference implementation does") 
   }
 }
 
-TEST_CASE("gather pass: panoramas agree with the reference implementation") {
+TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9]") {
   const OnDevice device(room());
   for (const double yaw : {0.0, 1.5, 3.1})
     checkAgainstReference(room(), device, room().plan(cameraAt({0.2, 0.1, 0.1}, yaw, 0.3, 120, 96)));
 }
 
-TEST_CASE("gather pass: gains and masks agree with the reference implementation") {
+TEST_CASE("gather pass: gains and masks agree with the reference implementation", "[P9]") {
   GatherStage stage = gatherStage(wallOptions());
   stage.made.scene.nodes[0].gain = {1.4, 1.0, 0.7};
   stage.made.scene.nodes[1].gain = {0.6, 0.8, 1.3};

@@ -54,12 +54,11 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const Rende
          },
          "All settings at once, from the fastest to the most accurate; those given beside it win")
       ->type_name("fast|balanced|accurate|reference");
-  addChoice<Composition>(app, "--composition", settings.composition,
-                         {{"cells", Composition::cells},
-                          {"gathered", Composition::gathered},
-                          {"hybrid", Composition::hybrid}},
-                         "Morphing cells and backdrops; every pixel gathered from the photographs that saw it; or cells "
-                         "where all members agree and the rest gathered");
+  addChoice<Composition>(
+      app, "--composition", settings.composition,
+      {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
+      "Morphing cells and backdrops; every pixel gathered from the photographs that saw it; or cells "
+      "where all members agree and the rest gathered");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
                           "Gather from at most N photographs a frame");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
