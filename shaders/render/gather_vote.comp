@@ -21,12 +21,13 @@ void main() {
   const float step = views[c.view].step;
   for (int i = 0; i < kCandidates; ++i) {
     const uvec2 tile = c.tile * uvec2(i % kGatherColumns, i / kGatherColumns);
-    const uvec2 hypothesis = texelFetch(atlas, ivec2(tile + pixel), 0).rg;
+    // Tiles beyond the candidates were not drawn: what lies there may be no number.
+    const uvec2 hypothesis = i < int(views[c.view].count) ? texelFetch(atlas, ivec2(tile + pixel), 0).rg : uvec2(0u);
     const vec2 evidence = unpackHalf2x16(hypothesis.y);
     rho[i] = uintBitsToFloat(hypothesis.x);
     trust[i] = evidence.x;
     consensus[i] = evidence.y;
-    weight[i] = i < int(views[c.view].count) ? evidence.x * views[c.view].candidate[i].voteWeight : 0.0;
+    weight[i] = evidence.x * views[c.view].candidate[i].voteWeight;
   }
   float most = 0.0;
   for (int i = 0; i < kCandidates; ++i) {

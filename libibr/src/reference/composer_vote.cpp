@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "shared/fill.h"
+
 namespace ibr::reference {
 namespace {
 
@@ -43,7 +45,7 @@ Level pulled(const Level& fine) {
   for (std::size_t at = 0; at < coarse.value.size(); ++at)
     if (coarse.weight[at] > 0) {
       coarse.value[at] /= coarse.weight[at];
-      coarse.weight[at] = std::min(coarse.weight[at], 1.0);
+      coarse.weight[at] = double(shader::pulledWeight(float(coarse.weight[at])));
     }
   return coarse;
 }
