@@ -106,7 +106,7 @@ TEST_CASE("the menu's settings are obeyed at once") {
 
 TEST_CASE("a picture that is asked for is what ibr render draws; one that cannot be written ends nothing") {
   const TemporaryFolder folder;
-  MenuUser user("", {"--screenshots", folder.path(), "--no-governor", "--no-floor"});
+  MenuUser user("", {"--screenshots", folder.path(), "--no-governor", "--no-floor", "--tiers", "2"});
   user.visitor().waitForScene();
   CHECK(fs::is_empty(folder.path()));
   user.pressMenuButton();
@@ -114,7 +114,7 @@ TEST_CASE("a picture that is asked for is what ibr render draws; one that cannot
   user.waitUntil([&] { return user.says("view_0001_r.png"); });
   CHECK(user.visitor().leave()["pictures"].size() == 2);
   const fs::path left = folder / "view_0001_l.png", right = folder / "view_0001_r.png";
-  const std::array again = drawnAgain(user.setup(), left, folder / "again", {});
+  const std::array again = drawnAgain(user.setup(), left, folder / "again", {"--tiers", "2"});
   CHECK((readImage(left).values == again[0].values));
   CHECK((readImage(right).values == again[1].values));
 

@@ -37,6 +37,11 @@ TEST_CASE("a scene's settings come back from their words") {
   settings.lowestTier = 1;
   settings.morph = Morph::paper;
   settings.alignCells = true;
+  settings.composition = Composition::hybrid;
+  settings.gatherCandidates = 7;
+  settings.gatherColours = 3;
+  settings.gatherLayers = 1;
+  settings.voteScale = 1.0 / 3;
   settings.order = DrawOrder::paper;
   settings.blend = BlendMode::mixed;
   settings.maxCells = 3;
