@@ -40,7 +40,7 @@ TEST_CASE("synth makes scenes that every command reads, and truth that eval comp
     CHECK(runProgram({"validate", scene}).code == 0);
     CHECK_THAT(runProgram({"info", scene}).out, Contains("view0"));
     if (!test::deviceIsThere()) continue;
-    const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--json", "-"});
+    const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--tiers", "2", "--json", "-"});
     INFO(eval.err);
     REQUIRE(eval.code == 0);
     const auto mean = nlohmann::json::parse(eval.out).at("mean");
@@ -62,7 +62,7 @@ TEST_CASE("a grid of photographs, a walk through it within a budget, and what fo
   CHECK(runProgram({"validate", scene}).code == 0);
   CHECK_THAT(runProgram({"info", scene}).out, Contains("25 in bc7"));
   if (!test::deviceIsThere()) return;
-  const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--json", "-"});
+  const auto eval = runProgram({"eval", scene, "--truth", report.at("truth"), "--tiers", "2", "--json", "-"});
   REQUIRE(eval.code == 0);
   CHECK(nlohmann::json::parse(eval.out).at("mean").at("psnrCovered") > 23);  // of 128×96 px, magnified
 

@@ -208,7 +208,8 @@ TEST_CASE("eval reports the keys that were promised, and pictures") {
 
 TEST_CASE("eval of a view between the photographs finds it near the truth") {
   if (!test::deviceIsThere()) return;
-  const auto outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--json", "-"});
+  const auto outcome =
+      runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().truth, "--tiers", "2", "--json", "-"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const auto view = nlohmann::json::parse(outcome.out).at("views").at(0);
@@ -382,7 +383,8 @@ TEST_CASE("a budget for the device's memory is kept, and what it costs is said")
   const auto info = test::runProgram({"info", test::tinyScene(), "--json", "-"});
   REQUIRE(info.code == 0);
   const auto memory = nlohmann::json::parse(info.out).at("memory").at("measured");
-  const auto meshes = memory.at("positions").get<std::uint64_t>() + memory.at("indices").get<std::uint64_t>();
+  const auto meshes = memory.at("positions").get<std::uint64_t>() + memory.at("indices").get<std::uint64_t>() +
+                      memory.at("depth").get<std::uint64_t>();  // whole at any time, as depth is
   const auto textures = memory.at("textures").get<std::uint64_t>();
   const auto psnrWithin = [&](std::uint64_t budget, test::Outcome& outcome) {
     outcome = runValidated({"eval", test::tinyScene(), "--truth", test::tinySet().photographs, "--json", "-",

@@ -18,7 +18,10 @@ void shareFile(const fs::path& from, const fs::path& to) {
   fs::create_hard_link(from, draft, error);
   if (error) return writeFile(to, readFile(from));
   fs::rename(draft, to, error);
-  check(!error, ErrorCode::io, "{}: {}", to.string(), error.message());
+  if (!error) return;
+  std::error_code ignored;
+  fs::remove(draft, ignored);
+  fail(ErrorCode::io, "{}: {}", to.string(), error.message());
 }
 
 void shareScene(const Scene& scene, const fs::path& folder) {
