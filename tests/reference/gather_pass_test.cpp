@@ -21,7 +21,9 @@ namespace {
 
 // Pixels at edges of the candidates' meshes, which a device may snap to its sub-pixel grid: they are of another
 // surface then.
-constexpr double kMostSnapped = 0.004;
+constexpr double kMostSnapped = 0.002;
+// Depth of holes goes through half floats; at an opacity of a half another surface counts.
+constexpr double kMostOtherDepth = 0.01;
 
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
 
@@ -115,7 +117,7 @@ void checkAgainstReference(const GatherStage& stage, const OnDevice& device, con
         compareGathered(twin, images[view], view == 0 ? depthOf(device.buffers(plan)) : ImageF());
     INFO("differing " << compared.differing << ", excused " << compared.excused << ", depth " << compared.wrongDepth);
     CHECK(compared.differing <= kMostSnapped);
-    CHECK(compared.wrongDepth <= kMostSnapped);
+    CHECK(compared.wrongDepth <= kMostOtherDepth);
     CHECK(compared.isExcusable());
   }
 }
@@ -324,7 +326,7 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
     const double rho = (1 - double(value)) / 0.5;  // an infinite far plane
     wrong += std::abs(rho - double(twin.opaqueInverseDepth.values[p])) > 1e-3;
   }
-  CHECK(double(wrong) <= kMostSnapped * double(twin.opaqueInverseDepth.values.size()));
+  CHECK(double(wrong) <= kMostOtherDepth * double(twin.opaqueInverseDepth.values.size()));
 }
 
 TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as without it") {
