@@ -408,6 +408,21 @@ TEST_CASE("gather pass: a hybrid shows tier 0 of the cells, and gathers the rest
   CHECK(gatheredPixels > 100);
 }
 
+TEST_CASE("gather pass: overlays show the cells and backdrops, and a gathered plan has no backdrops") {
+  const Scene& scene = wall().made.scene;
+  const SceneBounds bounds = sceneBounds(scene);
+  RenderSettings settings = GatherStage::gatherSettings();
+  CHECK(planFrame(scene, bounds, {{kBetween}, settings}).backdrops.empty());
+  settings.overlay = Overlay::tiers;
+  const FramePlan shown = planFrame(scene, bounds, {{kBetween}, settings});
+  CHECK(shown.settings.composition == Composition::cells);
+  CHECK(shown.photographs.empty());
+  CHECK(!shown.backdrops.empty());
+  settings.composition = Composition::cells;
+  const OnDevice device(wall());
+  CHECK(device.image(shown) == device.image(planFrame(scene, bounds, {{kBetween}, settings})));
+}
+
 TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
   GatherStage stage = gatherStage(wallOptions());
   for (Cell& backdrop : stage.made.scene.backdrops) {

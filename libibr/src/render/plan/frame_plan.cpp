@@ -104,6 +104,7 @@ class Planner {
 
   FramePlan run() {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
+    choosePhotographs();
     std::vector<PlannedCell> cells = chooseCells();
     const ChosenBackdrops chosen = chooseBackdrops();
     align(cells, chosen);
@@ -114,7 +115,8 @@ class Planner {
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
     mixSwitch();
-    choosePhotographs();
+    if (plan_.settings.composition == Composition::gathered) plan_.formerWeight = 0;
+    if (gathers() && plan_.cells.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
     rememberSingles();
     plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
     planColours(scene_, dt_, state_, plan_);
@@ -360,7 +362,7 @@ class Planner {
   ChosenBackdrops chooseBackdrops() {
     ChosenBackdrops chosen;
     std::vector<BackdropCandidate>& candidates = chosen.candidates;
-    if (settings_.lowestTier < kTierBackdrop) return chosen;
+    if (settings_.lowestTier < kTierBackdrop || gathers()) return chosen;
     for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
       if (!backdropVisible(b)) continue;
       const Pose& pose = scene_.nodes[scene_.backdrops[b].members[0]].camera.pose;
@@ -378,7 +380,7 @@ class Planner {
   }
 
   void fadeBackdrops(const ChosenBackdrops& backdrops) {
-    if (settings_.lowestTier < kTierBackdrop) return;
+    if (settings_.lowestTier < kTierBackdrop || gathers()) return;
     const std::vector<BackdropCandidate>& candidates = backdrops.candidates;
     std::vector<std::uint32_t> chosen = backdrops.meshes;
     std::vector<std::uint32_t> inView;
@@ -400,19 +402,18 @@ class Planner {
       plan_.nearDistance = 0.05 * candidates[0].distance;
   }
 
-  // A scene that cannot be gathered from is drawn by its cells.
+  // A scene that cannot be gathered from is drawn by its cells, and overlays are of cells.
   void choosePhotographs() {
-    if (settings_.composition == Composition::cells) return;
-    plan_.gather = bounds_.gather;
-    plan_.photographs =
-        ibr::choosePhotographs(scene_, bounds_.gather, plan_.views, middle_, settings_.gatherCandidates);
-    if (plan_.photographs.empty()) {
+    if (!gathers()) return;
+    if (settings_.overlay == Overlay::none)
+      plan_.photographs =
+          ibr::choosePhotographs(scene_, bounds_.gather, plan_.views, middle_, settings_.gatherCandidates);
+    if (plan_.photographs.empty())
       plan_.settings.composition = Composition::cells;
-      return;
-    }
-    if (plan_.cells.empty() && plan_.backdrops.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
-    if (settings_.composition == Composition::gathered) plan_.formerWeight = 0;
+    else
+      plan_.gather = bounds_.gather;
   }
+  bool gathers() const { return plan_.settings.composition != Composition::cells; }
 
   void mixSwitch() {
     PlanState& next = plan_.next;
