@@ -83,9 +83,7 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
   const auto stretched = [&](const glm::uvec3& t) {
     for (int i = 0; i < 3; ++i) {
       const unsigned a = t[i], b = t[(i + 1) % 3];
-      if (isKnown[a] && isKnown[b] &&
-          std::abs(parallax[a] - parallax[b]) > kStretched * float(glm::distance(places[a], places[b])))
-        return true;
+      if (std::abs(parallax[a] - parallax[b]) > kStretched * float(glm::distance(places[a], places[b]))) return true;
     }
     return false;
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "author/backdrop/backdrop.h"
 #include "author/build/cell_cache.h"
@@ -18,7 +19,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 3;  // of their making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 4;  // of their making: raise it when they come out differently
 
 // Share of the capture spacing: depth edges are cut that tear when a view is so far from the photograph. Gathered views
 // win .3 dB on object_vespasian by it and lose .2 dB on street.
@@ -40,9 +41,8 @@ std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t phot
   return points;
 }
 
-BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
-                             const std::vector<std::uint64_t>& keys)
-    : input_(input), options_(options), scene_(scene), keys_(keys), cellsWith_(scene.nodes.size()) {
+BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene)
+    : input_(input), options_(options), cellsWith_(scene.nodes.size()) {
   for (std::size_t c = 0; c < scene.cells.size(); ++c) {
     std::vector<glm::dvec3> corners;
     for (const std::uint32_t i : scene.cells[c].members) {
@@ -59,33 +59,27 @@ BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& option
 MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth& depth) const {
   const Stopwatch watch;
   const Photograph& photo = input_.photographs[photograph];
-  const std::vector<std::size_t>& cells = cellsWith_[photograph];
-  const double step = stepOf(cells, sizes_);
-  const std::vector<glm::dvec3> points = cells.empty() ? pointsSeenBy(input_, photograph) : std::vector<glm::dvec3>{};
-
+  const double step = stepOf(cellsWith_[photograph], sizes_);
+  const Intrinsics& size = depth.matched.map.camera.intrinsics;
+  const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), size.width, size.height));
   Hash hash;
   hash.add(kVersion);
   hash.add(options_.backdropSpacing);
   hash.add(step);
   hash.add(spacing_);
   addPhotograph(hash, input_, photograph);
-  for (const std::size_t c : cells) hash.add(keys_[c]);
-  addPoints(hash, points);
+  hash.add(std::as_bytes(std::span(whole.kept.values)));
   const std::uint64_t key = hash.value();
-
-  const ImageF& known = depth.matched.map.inverseDepth;
-  const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), known.width, known.height));
   MadeBackdrop result;
   result.made.key = key;
   if (auto cached = fetchCell(keptFolder(options_), key)) {
     result.made.cell = std::move(*cached);
     result.made.resumed = true;
   } else {
-    result.made.cell = buildBackdrop(photo.camera, known, whole.maps.inverseDepth,
+    result.made.cell = buildBackdrop(photo.camera, whole.kept, whole.maps.inverseDepth,
                                      {.step = step, .cut = kCut * spacing_, .spacing = options_.backdropSpacing});
     storeCell(keptFolder(options_), key, result.made.cell);
   }
-  // The evidence depends on all photographs, the cached mesh on this one's cells alone.
   addEvidence(result.made.cell.mesh, photo.camera.intrinsics, whole);
   const DepthTexture texture = depthTexture(whole.maps, photo.camera.intrinsics.width);
   result.depthFile = std::filesystem::path("depth") / (photo.name + ".ktx2");

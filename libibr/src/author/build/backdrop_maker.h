@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One photograph's backdrop (tier 2) and depth texture after another, from the depth that the cells have.
+// One photograph's backdrop (tier 2) and depth texture after another, from the depth of all.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 namespace ibr {
 
 inline constexpr double kBackdropBytesPerPixel = 100;  // of memory that completing a depth and its mesh take
-inline constexpr double kDepthBytesPerPixel = 6;       // of memory that a photograph's matched depth and evidence hold
+// Of memory that a photograph's small picture and mask, matched depth, sky and evidence hold.
+inline constexpr double kDepthBytesPerPixel = 10;
 
 struct MadeBackdrop {
   MadeCell made;                    // with evidence, which is not cached
@@ -27,9 +28,8 @@ std::vector<glm::dvec3> pointsSeenBy(const BuildInput& input, std::uint32_t phot
 
 class BackdropMaker {
  public:
-  /// `keys`: what the scene's cells were kept under. All outlive the object and do not change.
-  BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene,
-                const std::vector<std::uint64_t>& keys);
+  /// All outlive the object and do not change.
+  BackdropMaker(const BuildInput& input, const BuildOptions& options, const Scene& scene);
 
   /// `depth`: the photograph's (depthOfPhotographs). Writes the depth texture into the scene's folder. May be called
   /// from several threads. Throws Error.
@@ -42,8 +42,6 @@ class BackdropMaker {
  private:
   const BuildInput& input_;
   const BuildOptions& options_;
-  const Scene& scene_;
-  const std::vector<std::uint64_t>& keys_;
   std::vector<std::vector<std::size_t>> cellsWith_;  // of each photograph
   std::vector<double> sizes_;                        // of each cell: its longest edge
   double spacing_ = 1;                               // of the capture, world units

@@ -14,6 +14,7 @@
 #include "author/build/find_movers.h"
 #include "author/build/machine_speed.h"
 #include "author/build/own_tracks.h"
+#include "author/depth/photograph_sweep.h"
 #include "author/geometry/posed_model.h"
 #include "author/photographs/picture_folder.h"
 #include "base/check.h"
@@ -111,6 +112,7 @@ class Predictor {
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
       depths_ += kDepthBytesPerPixel * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
+      sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
@@ -191,7 +193,8 @@ class Predictor {
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
-    if (work_.backdrops > 0) side.backdrops = threads(completing_, kept_ + depths_, work_.backdrops);
+    if (work_.backdrops > 0)
+      side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, work_.backdrops);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);
@@ -208,7 +211,7 @@ class Predictor {
   const CellMaker maker_;
   BuildWork work_;
   // Bytes of one job, at most.
-  double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, completing_ = 0;
+  double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0, completing_ = 0;
   double kept_ = 0;    // bytes of all meshes
   double depths_ = 0;  // bytes of all photographs' depth and evidence
   BuildPrediction made_;

@@ -13,6 +13,7 @@
 #include "author/build/build_input.h"
 #include "author/build/build_prediction.h"
 #include "author/build/cell_maker.h"
+#include "author/build/depth_matcher.h"
 #include "author/build/find_movers.h"
 #include "author/build/own_tracks.h"
 #include "author/build/pose_rounds.h"
@@ -179,7 +180,6 @@ class Builder {
 
   void forgetCells() {
     scene_.cells.clear();
-    keys_.clear();
     failure_.clear();
     report_.cells.clear();
     report_.dropped = plan_.dropped;
@@ -299,7 +299,6 @@ class Builder {
                              cell.mesh.tier0Count(), quality, made.seconds, made.processorSeconds, made.resumed,
                              made.matcher, homogeneousShare(cell.mesh)});
     scene_.cells.push_back(std::move(cell));
-    keys_.push_back(made.key);
     return true;
   }
 
@@ -357,13 +356,16 @@ class Builder {
       if (!isPanorama(photo)) pixels = std::max(pixels, double(size.x) * size.y);
     }
     if (pinholes == 0) return {};
+    const DepthMatcher matcher(input_, options_, jobs_);
+    const double bytesEach = std::max(maker.bytesOfDepth(), matcher.bytesToMatch());
     std::size_t run = 0;
     return depthOfPhotographs(
         scene_,
-        {.points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
+        {.matches = [&](std::uint32_t photograph) { return matcher.match(photograph); },
+         .points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
          .depths =
              [&](std::size_t count, const auto& job) {
-               jobs_.runAll("finding depth", count, maker.bytesOfDepth(), job, kDepthBytesPerPixel * pixels);
+               jobs_.runAll("finding depth", count, bytesEach, job, kDepthBytesPerPixel * pixels);
              },
          .evidence =
              [&](std::size_t count, const auto& job) {
@@ -377,7 +379,7 @@ class Builder {
     std::vector<std::uint32_t> pinholes;
     for (std::uint32_t i = 0; i < input_.photographs.size(); ++i)
       if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
-    const BackdropMaker maker(input_, options_, scene_, keys_);
+    const BackdropMaker maker(input_, options_, scene_);
     const std::vector<PhotographDepth> depths = findDepths(maker, pinholes.size());
     std::vector<MadeBackdrop> made(pinholes.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
@@ -412,7 +414,6 @@ class Builder {
   std::map<std::uint32_t, std::string> failure_;  // of photographs whose cells failed: the last one's
   BuildReport report_;
   Scene scene_;
-  std::vector<std::uint64_t> keys_;  // of scene_.cells
 };
 
 // With poses, estimated where none are given.

@@ -55,7 +55,8 @@ class Consistency {
   Consistency(std::span<const ConsistentDepth> depths, std::size_t sources) : depths_(depths), most_(sources) {
     for (const ConsistentDepth& depth : depths) {
       const ImageF& map = depth.map.inverseDepth;
-      evidence_.push_back({Image8(map.width, map.height, 1, 0), Image8(map.width, map.height, 1, 0)});
+      const Image8 none(map.width, map.height, 1, 0);
+      evidence_.push_back({none, none, none});
     }
     sources_.resize(depths.size());
   }
@@ -84,6 +85,7 @@ class Consistency {
 
   void confirm(std::size_t asker) {
     ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
+      increment(evidence_[asker].witnesses, x, y);
       const double theirs = double(depths_[witness].map.inverseDepth.pixel(seen.pixel.x, seen.pixel.y)[0]);
       if (theirs >= 0 && std::abs(theirs - seen.inverseDepth) < tolerance)
         increment(evidence_[asker].confirmations, x, y);

@@ -30,6 +30,7 @@ struct ConsistentDepth {
 /// Counts by pixel, 0 to 255; one channel, of the map's size.
 struct DepthEvidence {
   Image8 confirmations, contradictions;
+  Image8 witnesses;  // photographs that see the point, from far enough apart
 };
 
 /// Evidence for each map. At most `sources` other photographs are asked, chosen by how much they see at parallaxes near

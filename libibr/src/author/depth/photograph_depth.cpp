@@ -7,6 +7,7 @@
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
 #include "author/backdrop/scene_depth.h"
+#include "author/sweep/depth_clean.h"
 #include "base/check.h"
 #include "base/median.h"
 #include "scene/capture_spacing.h"
@@ -18,6 +19,27 @@ constexpr double kStepPx = 2;  // of a photograph: 1 px at half its size
 
 void runInTurn(std::size_t count, const std::function<void(std::size_t)>& job) {
   for (std::size_t i = 0; i < count; ++i) job(i);
+}
+
+bool isSky(const PhotographDepth& depth, std::size_t pixel) {
+  return !depth.sky.empty() && depth.sky.values[pixel];
+}
+
+// Where it is not kept: kUnknownDepth.
+ImageF keptDepth(const PhotographDepth& depth) {
+  constexpr float kSurfaceSteps = 2;  // between neighbours of one surface
+  ImageF kept = depth.matched.map.inverseDepth;
+  const DepthEvidence& evidence = depth.evidence;
+  for (std::size_t p = 0; p < kept.values.size(); ++p) {
+    const int c = evidence.confirmations.values[p], v = evidence.contradictions.values[p];
+    const bool believed = c >= 2 || (c == 1 && v == 0) || evidence.witnesses.values[p] == 0 || isSky(depth, p);
+    if (!believed) kept.values[p] = kUnknownDepth;
+  }
+  if (depth.sparse) return kept;
+  const std::vector<bool> speckle = speckles(kept, kSurfaceSteps * float(depth.matched.step), kLeastSurface);
+  for (std::size_t p = 0; p < kept.values.size(); ++p)
+    if (speckle[p]) kept.values[p] = kUnknownDepth;
+  return kept;
 }
 
 int nearestPixel(double at, int side) {
@@ -38,7 +60,7 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
   std::vector<Camera> cameras;
   for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
     if (const Camera& camera = scene.nodes[n].camera; camera.intrinsics.model == CameraModel::pinhole) {
-      result.push_back({n, {}, {}});
+      result.push_back({.node = n});
       cameras.push_back(camera);
     }
   if (result.empty()) return result;
@@ -51,13 +73,22 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
                   runEvidence = options.evidence ? options.evidence : runInTurn;
   runDepths(result.size(), [&](std::size_t i) {
     const std::uint32_t node = result[i].node;
-    const glm::ivec2 size = backdropSize(cameras[i].intrinsics);
-    Camera small = cameras[i];
-    small.intrinsics = resized(small.intrinsics, size.x, size.y);
-    ImageF depth = inCell[node]
-                       ? depthInScene(scene, node, size)
-                       : depthOfPoints(small, options.points ? options.points(node) : std::vector<glm::dvec3>{});
     const Intrinsics& stored = cameras[i].intrinsics;
+    glm::ivec2 size = backdropSize(stored);
+    std::optional<SweptDepth> swept;
+    if (options.matches) swept = options.matches(node);
+    if (swept) size = {swept->sky.width, swept->sky.height};
+    const Camera small{resized(stored, size.x, size.y), cameras[i].pose};
+    ImageF depth;
+    if (swept) {
+      depth = std::move(swept->inverseDepth);
+      result[i].sky = std::move(swept->sky);
+    } else if (inCell[node]) {
+      depth = depthInScene(scene, node, size);
+    } else {
+      result[i].sparse = true;
+      depth = depthOfPoints(small, options.points ? options.points(node) : std::vector<glm::dvec3>{});
+    }
     matched[i] = {{small, std::move(depth)}, kStepPx / (stored.fx * spacing), residualPx * size.x / stored.width};
   });
   std::vector<DepthEvidence> evidence = depthEvidence(matched, kDepthSources, runEvidence);
@@ -69,15 +100,20 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
 }
 
 CompletedDepth completed(const PhotographDepth& depth, const Image8& colours) {
-  const ImageF& known = depth.matched.map.inverseDepth;
-  CompletedDepth result{{completeDepth(known, colours), ImageF(known.width, known.height, 1, kCompletedConsensus)},
-                        Image8(known.width, known.height, 1, 0)};
-  for (std::size_t p = 0; p < known.values.size(); ++p) {
-    if (known.values[p] < 0) continue;
-    const double c = depth.evidence.confirmations.values[p], v = depth.evidence.contradictions.values[p];
-    result.confirmations.values[p] = depth.evidence.confirmations.values[p];
+  constexpr int kSkyConfirmations = 2;
+  ImageF kept = keptDepth(depth);
+  const int width = kept.width, height = kept.height;
+  CompletedDepth result{
+      {completeDepth(kept, colours), ImageF(width, height, 1, kCompletedConsensus)}, {}, Image8(width, height, 1, 0)};
+  for (std::size_t p = 0; p < kept.values.size(); ++p) {
+    if (kept.values[p] < 0) continue;
+    const bool sky = isSky(depth, p);
+    const int c = sky ? kSkyConfirmations : depth.evidence.confirmations.values[p];
+    const int v = sky ? 0 : depth.evidence.contradictions.values[p];
+    result.confirmations.values[p] = std::uint8_t(c);
     result.maps.consensus.values[p] = float((c + 0.25) / (c + v + 0.5));
   }
+  result.kept = std::move(kept);
   return result;
 }
 

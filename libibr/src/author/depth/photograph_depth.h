@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth of a scene's pinhole photographs, at backdropSize, with the evidence that the other photographs give.
 //
-//   depth     of each cell with the photograph the nearest surface of tier 0, of all cells the median (scene_depth.h);
-//             of a photograph in no cell its points, where these are given
+//   depth     as it was matched (photograph_sweep.h). Where it was not: of each cell with the photograph the nearest
+//             surface of tier 0, of all cells the median (scene_depth.h); of a photograph in no cell its points
 //   evidence  confirmations c and contradictions v (depth_consistency.h)
-//   completed depth is known everywhere (complete_depth.h); consensus a = (c + .25) / (c + v + .5). Where depth was
-//             completed c is 0 and a is .1
+//   kept      c >= 2, or c >= 1 and c > v, or no other photograph could have confirmed it, or sky; and that in
+//             surfaces of kLeastSurface px at least, but for points
+//   completed the rest from around (complete_depth.h), so that depth is known everywhere; consensus
+//             a = (c + .25) / (c + v + .5), with c = 2 in the sky. Where depth was completed c is 0 and a is .1
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "author/depth/depth_consistency.h"
+#include "author/depth/photograph_sweep.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
 #include "image/depth_texture.h"
@@ -20,19 +24,26 @@
 namespace ibr {
 
 inline constexpr float kCompletedConsensus = 0.1f;
+inline constexpr int kLeastSurface = 30;          // px of the depth's picture
 inline constexpr std::size_t kDepthSources = 10;  // photographs that are asked about one photograph's depth
 
 /// A photograph's depth as it was matched, and its evidence.
 struct PhotographDepth {
   std::uint32_t node = 0;
   ConsistentDepth matched;
+  Image8 sky;           // 255 where the photograph shows it, else 0; empty: not known
+  bool sparse = false;  // the depth is that of points
   DepthEvidence evidence;
 };
+
+/// The depth of a photograph as it was matched; nullopt where it was not.
+using DepthMatches = std::function<std::optional<SweptDepth>(std::uint32_t node)>;
 
 /// World points that a photograph sees.
 using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t node)>;
 
 struct PhotographDepthOptions {
+  DepthMatches matches = {};     // empty: of the scene's cells
   PhotographPoints points = {};  // of a photograph that no cell has; empty: nothing is known of its depth
   JobRunner depths, evidence;    // run the jobs of both steps; empty: one after the other
 };
@@ -40,13 +51,14 @@ struct PhotographDepthOptions {
 /// Median over the cells of their reprojection residual, px of the stored photographs; 0 where no cell states one.
 double medianResidualPx(const Scene& scene);
 
-/// Of all pinholes, in the order of the nodes. Does not depend on the order in which jobs are run. 6 bytes a pixel.
+/// Of all pinholes, in the order of the nodes. Does not depend on the order in which jobs are run. 8 bytes a pixel.
 /// Throws what the runners throw.
 std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options = {});
 
-/// Depth that is known everywhere. Three maps of one size.
+/// Depth that is known everywhere. Four maps of one size.
 struct CompletedDepth {
   DepthMaps maps;
+  ImageF kept;  // of maps.inverseDepth what was not completed; kUnknownDepth elsewhere
   Image8 confirmations;
 };
 

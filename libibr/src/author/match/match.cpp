@@ -83,7 +83,7 @@ class Matcher {
     const glm::dvec3 toHalf(double(width_) / frame.intrinsics.width, double(height_) / frame.intrinsics.height, 1.0);
     for (glm::dvec3& plane : planes) plane *= toHalf;
     const CostVolume volume = planeSweep(frame, halves, levels, planes);
-    ImageF level = semiGlobalLevels(volume);
+    ImageF level = semiGlobalMatch(volume).level;
     cleanDepth(level, kSpeckleStep, kSpeckle);
     trimForegrounds(frame, halves, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));

@@ -127,7 +127,7 @@ class Judge {
     check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the photograph");
     const SweepLevels levels = sweepLevels(frame_, cameras, std::move(depths));
     const CostVolume volume = planeSweep(frame_, views, levels, dominantPlanes(frame_, cameras, points_));
-    ImageF level = semiGlobalLevels(volume);
+    ImageF level = semiGlobalMatch(volume).level;
     cleanDepth(level, kSpeckleStep, kSpeckle);
     trimForegrounds(frame_, views, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));

@@ -10,8 +10,9 @@ namespace {
 
 // Found to matter more than any other choice: with a tenth of these, foliage and cobbles break into speckles, and each
 // speckle that is too near hides others.
-constexpr int kP1 = 40, kP2 = 400;        // of costs up to kCostLargest
-constexpr float kEdge = 25.0f;            // grey levels that halve P2
+constexpr int kP1 = 40, kP2 = 400;  // of costs up to kCostLargest
+constexpr float kEdge = 25.0f;      // grey levels that halve P2
+constexpr float kDirections = 8;
 constexpr std::int16_t kOutside = 16000;  // stands for the levels before the first and after the last
 
 std::int16_t smoothness(float guide, float neighbour) {
@@ -109,13 +110,13 @@ void sweepOnce(const CostVolume& volume, bool mirrored, std::vector<std::int16_t
 
 }  // namespace
 
-ImageF semiGlobalLevels(const CostVolume& volume) {
+SemiGlobalMatch semiGlobalMatch(const CostVolume& volume) {
   const int levels = volume.levels;
   const std::size_t pixels = std::size_t(volume.width) * std::size_t(volume.height);
   std::vector<std::int16_t> sum(pixels * std::size_t(levels), 0);
   sweepOnce(volume, false, sum);
   sweepOnce(volume, true, sum);
-  ImageF result(volume.width, volume.height, 1);
+  SemiGlobalMatch result{ImageF(volume.width, volume.height, 1), ImageF(volume.width, volume.height, 1)};
   for (std::size_t p = 0; p < pixels; ++p) {
     const std::int16_t* const s = &sum[p * std::size_t(levels)];
     const int best = int(std::min_element(s, s + levels) - s);
@@ -124,7 +125,8 @@ ImageF semiGlobalLevels(const CostVolume& volume) {
       const int below = s[best - 1] - s[best], above = s[best + 1] - s[best];
       if (below + above > 0) level += 0.5f * float(below - above) / float(below + above);
     }
-    result.values[p] = level;
+    result.level.values[p] = level;
+    result.firstExcess.values[p] = float(s[0] - s[best]) / kDirections;
   }
   return result;
 }

@@ -14,7 +14,11 @@
 
 namespace ibr {
 
-/// The level of each pixel (1 channel), fractional.
-ImageF semiGlobalLevels(const CostVolume& volume);
+/// One channel each.
+struct SemiGlobalMatch {
+  ImageF level;        // of least cost, fractional
+  ImageF firstExcess;  // cost of level 0 beyond the least, mean of the directions
+};
+SemiGlobalMatch semiGlobalMatch(const CostVolume& volume);
 
 }  // namespace ibr

@@ -41,6 +41,7 @@ TEST_CASE("exact depth is confirmed by all that see it, and contradicted by none
   const auto depths = wall();
   const auto evidence = depthEvidence(depths);
   CHECK(count(evidence[1].confirmations, 40, 30) == 3);
+  CHECK(count(evidence[1].witnesses, 40, 30) == 3);
   CHECK(std::ranges::all_of(evidence[1].contradictions.values, [](int v) { return v == 0; }));
 }
 
@@ -54,6 +55,7 @@ TEST_CASE("a false surface in front is contradicted, one behind is merely not co
   const auto front = planted(0.5f);
   CHECK(count(front[1].confirmations, 40, 30) == 0);
   CHECK(count(front[1].contradictions, 40, 30) >= 2);
+  CHECK(count(front[1].witnesses, 40, 30) == 3);
   const auto behind = planted(0.1f);
   CHECK(count(behind[1].confirmations, 40, 30) == 0);
   CHECK(count(behind[1].contradictions, 40, 30) == 0);
@@ -69,6 +71,8 @@ TEST_CASE("unknown depth neither asks nor answers, and photographs of one place 
   for (ConsistentDepth& depth : together) depth.map.camera.pose.position = {0, 0, 0};
   for (const DepthEvidence& one : depthEvidence(together))
     CHECK(std::ranges::all_of(one.confirmations.values, [](int c) { return c == 0; }));
+  for (const DepthEvidence& one : depthEvidence(together))
+    CHECK(std::ranges::all_of(one.witnesses.values, [](int w) { return w == 0; }));
 }
 
 TEST_CASE("evidence does not depend on threads, and grows with the number of sources that are asked") {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
@@ -39,7 +40,8 @@ float valueAt(const ImageF& map, int x, int y) {
 }
 
 CompletedDepth uniform(int width, int height) {
-  return {{ImageF(width, height, 1, 0.25f), ImageF(width, height, 1, 0.5f)}, Image8(width, height, 1, 2)};
+  const ImageF depth(width, height, 1, 0.25f);
+  return {{depth, ImageF(width, height, 1, 0.5f)}, depth, Image8(width, height, 1, 2)};
 }
 
 }  // namespace
@@ -73,6 +75,8 @@ TEST_CASE("a photograph that no cell has takes the depth of its points") {
   CHECK(asked == std::vector<std::uint32_t>{5});
   CHECK(valueAt(depths[4].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(0.2));
   CHECK(std::ranges::count_if(depths[4].matched.map.inverseDepth.values, [](float w) { return w >= 0; }) == 1);
+  const CompletedDepth whole = completed(depths[4], Image8(kWidth, kHeight, 3, 90));
+  for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.2));
 }
 
 TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop it") {
@@ -98,17 +102,71 @@ TEST_CASE("a scene without pinholes has no depth of photographs") {
   CHECK(medianResidualPx({}) == 0);
 }
 
-TEST_CASE("completed depth keeps what was matched, and has no confirmations elsewhere") {
-  PhotographDepth depth;
-  depth.matched.map.inverseDepth = ImageF(4, 1, 1, 0.5f);
-  depth.matched.map.inverseDepth.values[3] = kUnknownDepth;
-  depth.evidence = {Image8(4, 1, 1), Image8(4, 1, 1)};
-  depth.evidence.confirmations.values = {0, 3, 1, 7};
-  depth.evidence.contradictions.values = {0, 0, 2, 0};
-  const CompletedDepth whole = completed(depth, Image8(4, 1, 3, 90));
-  for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.5));
-  CHECK(whole.confirmations.values == std::vector<std::uint8_t>{0, 3, 1, 0});
-  CHECK(whole.maps.consensus.values == std::vector<float>{0.5f, float(3.25 / 3.5), float(1.25 / 3.5), 0.1f});
+TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm, and has no confirmations elsewhere") {
+  struct Case {
+    int confirmations, contradictions, witnesses;
+    bool sky, kept;
+    float consensus;
+  };
+  const float completion = kCompletedConsensus;
+  for (const Case& each : {Case{0, 0, 0, false, true, 0.5f},
+                           {3, 0, 3, false, true, float(3.25 / 3.5)},
+                           {2, 5, 9, false, true, float(2.25 / 7.5)},
+                           {1, 0, 4, false, true, float(1.25 / 1.5)},
+                           {1, 1, 4, false, false, completion},
+                           {0, 0, 1, false, false, completion},
+                           {0, 3, 6, true, true, float(2.25 / 2.5)}}) {
+    CAPTURE(each.confirmations, each.contradictions, each.witnesses, each.sky);
+    // Every second column of a map whose other columns are confirmed.
+    constexpr int kSide = 12;
+    PhotographDepth depth;
+    depth.matched = {{{pinholeFromFov(kSide, kSide, 1), {}}, ImageF(kSide, kSide, 1, 0.5f)}, 0.01, 0};
+    depth.evidence = {Image8(kSide, kSide, 1, 4), Image8(kSide, kSide, 1, 0), Image8(kSide, kSide, 1, 4)};
+    depth.sky = Image8(kSide, kSide, 1, 0);
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 1; x < kSide; x += 2) {
+        depth.evidence.confirmations.pixel(x, y)[0] = std::uint8_t(each.confirmations);
+        depth.evidence.contradictions.pixel(x, y)[0] = std::uint8_t(each.contradictions);
+        depth.evidence.witnesses.pixel(x, y)[0] = std::uint8_t(each.witnesses);
+        depth.sky.pixel(x, y)[0] = each.sky ? 255 : 0;
+      }
+    std::ranges::fill(std::span(depth.evidence.confirmations.values).first(kSide), std::uint8_t(4));  // one surface
+    const CompletedDepth whole = completed(depth, Image8(kSide, kSide, 3, 90));
+    for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.5));
+    CHECK((valueAt(whole.kept, 5, 6) >= 0) == each.kept);
+    CHECK(valueAt(whole.maps.consensus, 5, 6) == each.consensus);
+    CHECK(int(whole.confirmations.pixel(5, 6)[0]) == (!each.kept ? 0 : each.sky ? 2 : each.confirmations));
+    CHECK(int(whole.confirmations.pixel(4, 6)[0]) == 4);
+  }
+}
+
+TEST_CASE("confirmed surfaces that are too small are completed from around") {
+  for (const int side : {5, 6}) {
+    CAPTURE(side);
+    PhotographDepth depth;
+    depth.matched = {{{pinholeFromFov(40, 30, 1), {}}, ImageF(40, 30, 1, 0.5f)}, 0.01, 0};
+    depth.evidence = {Image8(40, 30, 1, 4), Image8(40, 30, 1, 0), Image8(40, 30, 1, 4)};
+    for (int y = 10; y < 10 + side; ++y)
+      for (int x = 10; x < 10 + side; ++x) depth.matched.map.inverseDepth.pixel(x, y)[0] = 2;
+    const CompletedDepth whole = completed(depth, Image8(40, 30, 3, 90));
+    const bool large = side * side >= kLeastSurface;
+    CHECK(valueAt(whole.maps.inverseDepth, 12, 12) == Approx(large ? 2 : 0.5));
+    CHECK(int(whole.confirmations.pixel(12, 12)[0]) == (large ? 4 : 0));
+  }
+}
+
+TEST_CASE("what was matched for a photograph comes before what its cells have, and brings its sky") {
+  const SyntheticScene made = wall();
+  SweptDepth matched{ImageF(48, 36, 1, 0.125f), Image8(48, 36, 1, 0)};
+  matched.sky.values[7] = 255;
+  const std::vector<PhotographDepth> depths = depthOfPhotographs(
+      made.scene, {.matches = [&](std::uint32_t node) { return node == 1 ? std::optional(matched) : std::nullopt; }});
+  CHECK(depths[1].matched.map.inverseDepth == matched.inverseDepth);
+  CHECK(depths[1].sky == matched.sky);
+  CHECK(depths[1].matched.map.camera.intrinsics.width == 48);
+  CHECK(depths[1].matched.map.camera.intrinsics.fx == Approx(made.scene.nodes[1].camera.intrinsics.fx / 2));
+  CHECK(depths[0].sky.empty());
+  CHECK(valueAt(depths[0].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
 }
 
 TEST_CASE("a vertex of a backdrop has the evidence of the nearest pixel") {

@@ -195,7 +195,7 @@ TEST_CASE("the sweep's cost is least at the true depth") {
   const Camera frame = meanFrame(stage.cameras);
   const SweepLevels levels = sweepLevels(frame, stage.cameras, std::vector<double>(50, 0.2));
   const CostVolume volume = planeSweep(frame, views, levels);
-  const ImageF level = semiGlobalLevels(volume);
+  const ImageF level = semiGlobalMatch(volume).level;
   const double truth = 1 / (5.0 - frame.pose.position.y);
   std::size_t right = 0, all = 0;
   for (int y = 30; y < 100; ++y)
@@ -209,7 +209,7 @@ TEST_CASE("semi-global matching fills what has no texture from around it") {
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x)
       if (x < 12 || x > 28) volume.cost[std::size_t((y * 40 + x) * 20 + 13)] = 5;
-  const ImageF level = semiGlobalLevels(volume);
+  const ImageF level = semiGlobalMatch(volume).level;
   for (const float l : level.values) CHECK(l == Approx(13).margin(0.01));
 }
 

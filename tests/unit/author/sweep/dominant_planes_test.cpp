@@ -136,8 +136,8 @@ TEST_CASE("ground that is seen along it is matched better along its plane") {
   const SweepLevels levels = sweepLevels(frame, kCameras, depths);
   const std::vector<glm::dvec3> planes = dominantPlanes(frame, kCameras, pointsOnGround(80));
   REQUIRE(planes.size() == 1);
-  const double with = shareRight(semiGlobalLevels(planeSweep(frame, views, levels, planes)), levels, planes[0]);
-  const double without = shareRight(semiGlobalLevels(planeSweep(frame, views, levels)), levels, planes[0]);
+  const double with = shareRight(semiGlobalMatch(planeSweep(frame, views, levels, planes)).level, levels, planes[0]);
+  const double without = shareRight(semiGlobalMatch(planeSweep(frame, views, levels)).level, levels, planes[0]);
   INFO(without << " → " << with);
   CHECK(with > 0.9);
   CHECK(with > without + 0.1);
@@ -153,8 +153,8 @@ TEST_CASE("a plane where there is none draws nothing to itself") {
   const std::vector<glm::dvec3> planes = dominantPlanes(frame, kCameras, pointsOnGround(80));
   REQUIRE(planes.size() == 1);
   const glm::dvec3 wall(0, 0, 1 / (5 - frame.pose.position.y));
-  const double with = shareRight(semiGlobalLevels(planeSweep(frame, views, levels, planes)), levels, wall);
-  const double without = shareRight(semiGlobalLevels(planeSweep(frame, views, levels)), levels, wall);
+  const double with = shareRight(semiGlobalMatch(planeSweep(frame, views, levels, planes)).level, levels, wall);
+  const double without = shareRight(semiGlobalMatch(planeSweep(frame, views, levels)).level, levels, wall);
   CHECK(with > 0.95);
   CHECK(with > without - 0.005);
 }

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/depth/depth_sources.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+
+namespace ibr {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kGrid = 10;            // a side, over the picture
+constexpr double kUnobserved = 0.3;  // share of a track that only one of the two observes
+constexpr double kLeastGain = 1e-9;
+// Parallaxes: where the weight is 1, and its standard deviations below and above.
+struct Parallax {
+  double best, below, above;
+  double weight(double angle) const {
+    const double off = (angle - best) / (angle < best ? below : above);
+    return std::exp(-0.5 * off * off);
+  }
+};
+constexpr Parallax kNear{6 * kDegree, 3 * kDegree, 12 * kDegree};
+constexpr Parallax kWide{18 * kDegree, 6 * kDegree, 7 * kDegree};
+
+struct Place {
+  glm::dvec3 position;
+  std::uint32_t track;
+  double share;  // of the picture
+};
+
+std::optional<glm::dvec2> pixelOf(const Camera& camera, const glm::dvec3& point) {
+  const auto at = project(camera.intrinsics, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
+  const bool inside =
+      at && at->x >= 0 && at->y >= 0 && at->x <= camera.intrinsics.width && at->y <= camera.intrinsics.height;
+  return inside ? at : std::nullopt;
+}
+
+std::vector<Place> placesOf(const PosedModel& model, const Camera& camera, const std::vector<std::uint32_t>& tracks) {
+  std::array<int, kGrid * kGrid> count{};
+  std::vector<std::size_t> cell;
+  std::vector<Place> places;
+  for (const std::uint32_t t : tracks) {
+    const glm::dvec3& position = model.tracks[t].position;
+    const auto at = pixelOf(camera, position);
+    if (!at) continue;
+    const auto along = [](double x, int side) { return std::min(int(kGrid * x / side), kGrid - 1); };
+    cell.push_back(std::size_t(along(at->y, camera.intrinsics.height) * kGrid + along(at->x, camera.intrinsics.width)));
+    ++count[cell.back()];
+    places.push_back({position, t, 0});
+  }
+  for (std::size_t p = 0; p < places.size(); ++p) places[p].share = 1.0 / count[cell[p]];
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const Camera> cameras,
+                                        std::span<const std::vector<std::uint32_t>> tracksOf,
+                                        std::uint32_t photograph) {
+  const std::vector<Place> places = placesOf(model, cameras[photograph], tracksOf[photograph]);
+  const glm::dvec3 own = cameras[photograph].pose.position;
+  std::vector<std::vector<float>> near(cameras.size()), wide(cameras.size());  // weights of the places
+  for (std::uint32_t j = 0; j < cameras.size(); ++j) {
+    if (j == photograph || cameras[j].intrinsics.model != CameraModel::pinhole) continue;
+    const glm::dvec3 other = cameras[j].pose.position;
+    near[j].assign(places.size(), 0);
+    wide[j].assign(places.size(), 0);
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const Place& place = places[p];
+      if (!pixelOf(cameras[j], place.position)) continue;
+      const glm::dvec3 a = own - place.position, b = other - place.position;
+      const double ra = glm::length(a), rb = glm::length(b);
+      const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+      const bool observed = std::ranges::binary_search(tracksOf[j], place.track);
+      const double weight = std::min(ra / rb, rb / ra) * (observed ? 1.0 : kUnobserved);
+      near[j][p] = float(weight * kNear.weight(angle));
+      wide[j][p] = float(weight * kWide.weight(angle));
+    }
+  }
+  std::vector<std::uint32_t> chosen;
+  const auto choose = [&](const std::vector<std::vector<float>>& weights, std::size_t most) {
+    std::vector<float> sum(places.size(), 0);
+    for (std::size_t round = 0; round < most; ++round) {
+      double best = kLeastGain;
+      std::uint32_t which = 0;
+      bool found = false;
+      for (std::uint32_t j = 0; j < weights.size(); ++j) {
+        if (weights[j].empty() || std::ranges::find(chosen, j) != chosen.end()) continue;
+        double gain = 0;
+        for (std::size_t p = 0; p < places.size(); ++p)
+          if (weights[j][p] > 0)
+            gain += places[p].share * (std::sqrt(double(sum[p]) + double(weights[j][p])) - std::sqrt(double(sum[p])));
+        if (gain > best) {
+          best = gain;
+          which = j;
+          found = true;
+        }
+      }
+      if (!found) return;
+      chosen.push_back(which);
+      for (std::size_t p = 0; p < places.size(); ++p) sum[p] += weights[which][p];
+    }
+  };
+  choose(near, kNearSources);
+  choose(wide, kWideSources);
+  return chosen;
+}
+
+}  // namespace ibr

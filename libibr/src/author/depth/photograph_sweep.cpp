@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/depth/photograph_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "author/backdrop/complete_depth.h"
+#include "author/depth/sky.h"
+#include "author/geometry/mean_frame.h"
+#include "author/sweep/sgm.h"
+
+namespace ibr {
+namespace {
+
+constexpr int kRadius = 2;  // of the correlation window
+constexpr float kShare = 1.0f / float((2 * kRadius + 1) * (2 * kRadius + 1));
+constexpr float kUnits = WarpedView::kUnits;
+constexpr float kNoise = 2.0f * kUnits * kUnits;  // variance that is not texture
+constexpr float kCostOfOne = 127.5f;              // c = 1 in units of the volume
+constexpr float kAloneShare = 0.5f, kAloneMore = 0.35f, kUnseen = 0.78f;
+constexpr int kBetter = 5;  // most sources of a better half
+constexpr int kBlock = 16;  // levels that are matched before they are turned to lie side by side at each pixel
+constexpr double kLeastLevels = 48, kMostLevels = 160;
+constexpr double kMostMotion = 1.5;  // px a level; sources that move more are halved …
+constexpr int kLeastSide = 64;       // … down to this, px
+constexpr double kBefore = 1.3;      // how far the range reaches before the tracks' inverse depths
+constexpr double kInfinity = 0.3;    // range from infinity on where the farthest is less than this share of the nearest
+constexpr double kBehind = 0.7;      // else from this share of the farthest on
+
+// By value: through the references of std::max the loops below would not be vectorised.
+float larger(float a, float b) {
+  return a < b ? b : a;
+}
+float smaller(float a, float b) {
+  return b < a ? b : a;
+}
+
+// px by which a source moves when ρ changes by 1, in the middle of the range: median over the picture.
+double motionOf(const Camera& photograph, const Camera& source, double middle) {
+  constexpr int kSamples = 12;
+  const FrameToMember map = frameToMember(photograph, source);
+  const double part = 0.02 * middle;
+  std::vector<double> motion;
+  for (int sy = 0; sy < kSamples; ++sy)
+    for (int sx = 0; sx < kSamples; ++sx) {
+      const glm::dvec2 pixel((sx + 0.5) * photograph.intrinsics.width / kSamples,
+                             (sy + 0.5) * photograph.intrinsics.height / kSamples);
+      const auto inside = [&](const glm::dvec2& at) {
+        return at.x >= 0 && at.y >= 0 && at.x <= source.intrinsics.width && at.y <= source.intrinsics.height;
+      };
+      const auto a = map(pixel, middle), b = map(pixel, middle + part);
+      if (a && b && inside(*a)) motion.push_back(glm::distance(*a, *b) / part);
+    }
+  if (motion.empty()) return 0;
+  std::nth_element(motion.begin(), motion.begin() + std::ptrdiff_t(motion.size() / 2), motion.end());
+  return motion[motion.size() / 2];
+}
+
+SweepView halved(const SweepView& view) {
+  const int width = std::max(view.grey.width / 2, 1), height = std::max(view.grey.height / 2, 1);
+  SweepView half{{resized(view.camera.intrinsics, width, height), view.camera.pose}, ImageF(width, height, 1), {}};
+  if (!view.mask.empty()) half.mask = Image8(width, height, 1, 255);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int u = std::min(2 * x + 1, view.grey.width - 1), v = std::min(2 * y + 1, view.grey.height - 1);
+      half.grey.pixel(x, y)[0] = 0.25f * (view.grey.pixel(2 * x, 2 * y)[0] + view.grey.pixel(u, 2 * y)[0] +
+                                          view.grey.pixel(2 * x, v)[0] + view.grey.pixel(u, v)[0]);
+      if (!view.mask.empty() && !(view.mask.pixel(2 * x, 2 * y)[0] && view.mask.pixel(u, 2 * y)[0] &&
+                                  view.mask.pixel(2 * x, v)[0] && view.mask.pixel(u, v)[0]))
+        half.mask.pixel(x, y)[0] = 0;
+    }
+  return half;
+}
+
+// Sums over the window's rows, by column, of one picture; room for the window's radius on both sides.
+class Columns {
+ public:
+  explicit Columns(int width) : width_(width), values_(std::size_t(width + 2 * kRadius), 0.0f) {}
+  float* data() { return values_.data() + kRadius; }
+  void clear() { std::fill(values_.begin(), values_.end(), 0.0f); }
+  void sumSideways(float* __restrict out) {
+    float* __restrict const c = data();
+    for (int r = 1; r <= kRadius; ++r) c[-r] = c[0], c[width_ - 1 + r] = c[width_ - 1];
+    for (int x = 0; x < width_; ++x) out[x] = c[x - 2] + c[x - 1] + c[x] + c[x + 1] + c[x + 2];
+  }
+
+ private:
+  int width_;
+  std::vector<float> values_;
+};
+
+const float* rowOf(const ImageF& picture, int y) {
+  return &picture.values[std::size_t(std::clamp(y, 0, picture.height - 1)) * std::size_t(picture.width)];
+}
+
+// Costs of one plane. Keeps its working memory from one plane to the next.
+class SourceCorrelation {
+ public:
+  SourceCorrelation(const SweepView& photograph, std::size_t sources)
+      : width_(photograph.grey.width),
+        height_(photograph.grey.height),
+        own_(width_, height_, 1),
+        mean_(own_),
+        variance_(own_) {
+    for (std::size_t p = 0; p < own_.values.size(); ++p)
+      own_.values[p] = float(int(photograph.grey.values[p] * kUnits + 0.5f)) - 128.0f * kUnits;
+    for (std::size_t s = 0; s < sources; ++s) {
+      value_.emplace_back(width_);
+      square_.emplace_back(width_);
+      product_.emplace_back(width_);
+    }
+    for (auto* row : {&sumA_, &sumB_, &sumC_, &count_}) row->resize(std::size_t(width_));
+    for (auto& row : best_) row.resize(std::size_t(width_));
+    zero_.assign(std::size_t(width_), 0.0f);
+    takeOwn();
+  }
+
+  /// `cost`: height × width.
+  void run(std::span<const WarpedView> warped, std::uint8_t* cost) {
+    for (std::size_t s = 0; s < warped.size(); ++s) {
+      value_[s].clear();
+      square_[s].clear();
+      product_[s].clear();
+      for (int y = -kRadius - 1; y < kRadius; ++y) move(warped[s], s, y, false);
+    }
+    for (int y = 0; y < height_; ++y) {
+      for (auto& row : best_) std::fill(row.begin(), row.end(), 3.0f);
+      std::fill(count_.begin(), count_.end(), 0.0f);
+      for (std::size_t s = 0; s < warped.size(); ++s) {
+        move(warped[s], s, y + kRadius, true);
+        correlate(warped[s], s, y);
+      }
+      costs(cost + std::size_t(y) * std::size_t(width_));
+    }
+  }
+
+ private:
+  void takeOwn() {
+    Columns value(width_), square(width_);
+    const auto add = [&](int y, float sign) {
+      const float* const a = rowOf(own_, y);
+      for (int x = 0; x < width_; ++x) value.data()[x] += sign * a[x], square.data()[x] += sign * a[x] * a[x];
+    };
+    for (int y = -kRadius - 1; y < kRadius; ++y) add(y, 1);
+    for (int y = 0; y < height_; ++y) {
+      add(y + kRadius, 1);
+      add(y - kRadius - 1, -1);
+      value.sumSideways(sumA_.data());
+      square.sumSideways(sumB_.data());
+      for (int x = 0; x < width_; ++x) {
+        const float mean = sumA_[std::size_t(x)] * kShare;
+        mean_.pixel(x, y)[0] = mean;
+        variance_.pixel(x, y)[0] = larger(sumB_[std::size_t(x)] * kShare - mean * mean, 0.0f) + kNoise;
+      }
+    }
+  }
+
+  // Adds row `in` to the columns; takes the row that leaves the window away.
+  void move(const WarpedView& view, std::size_t s, int in, bool takes) {
+    const float* __restrict const a = rowOf(own_, in), * __restrict const b = rowOf(view.grey, in);
+    const float* __restrict const c = takes ? rowOf(own_, in - 2 * kRadius - 1) : zero_.data();
+    const float* __restrict const d = takes ? rowOf(view.grey, in - 2 * kRadius - 1) : zero_.data();
+    float* __restrict const value = value_[s].data(), * __restrict const square = square_[s].data(),
+                            * __restrict const product = product_[s].data();
+    for (int x = 0; x < width_; ++x) {
+      value[x] += b[x] - d[x];
+      square[x] += b[x] * b[x] - d[x] * d[x];
+      product[x] += a[x] * b[x] - c[x] * d[x];
+    }
+  }
+
+  // Puts the source's costs among the least of the row.
+  void correlate(const WarpedView& view, std::size_t s, int y) {
+    const int first = view.first[std::size_t(y)], last = view.last[std::size_t(y)];
+    if (first > last) return;
+    value_[s].sumSideways(sumA_.data());
+    square_[s].sumSideways(sumB_.data());
+    product_[s].sumSideways(sumC_.data());
+    const float* __restrict const sa = sumA_.data(), * __restrict const sb = sumB_.data(), * __restrict const sc = sumC_.data();
+    const float* __restrict const mean = rowOf(mean_, y), * __restrict const variance = rowOf(variance_, y);
+    const std::uint8_t* const ignored =
+        view.ignored.empty() ? nullptr : &view.ignored[std::size_t(y) * std::size_t(width_)];
+    float* __restrict const count = count_.data();
+    float* __restrict const b0 = best_[0].data(), * __restrict const b1 = best_[1].data(),
+                            * __restrict const b2 = best_[2].data(), * __restrict const b3 = best_[3].data(),
+                            * __restrict const b4 = best_[4].data();
+    const auto put = [&](int x) {
+      const float other = sa[x] * kShare;
+      const float spread = larger(sb[x] * kShare - other * other, 0.0f) + kNoise;
+      const float covariance = sc[x] * kShare - mean[x] * other;
+      const float correlation = covariance / std::sqrt(variance[x] * spread);
+      float c = 1.0f - smaller(larger(correlation, -1.0f), 1.0f);
+      count[x] += 1.0f;
+      for (float* const least : {&b0[x], &b1[x], &b2[x], &b3[x], &b4[x]}) {
+        const float before = *least;
+        *least = smaller(before, c);
+        c = larger(before, c);
+      }
+    };
+    if (!ignored) {
+      for (int x = first; x <= last; ++x) put(x);
+    } else {
+      for (int x = first; x <= last; ++x)
+        if (!ignored[x]) put(x);
+    }
+  }
+
+  void costs(std::uint8_t* __restrict out) const {
+    const float* __restrict const count = count_.data();
+    const std::array<const float*, kBetter> best{best_[0].data(), best_[1].data(), best_[2].data(), best_[3].data(),
+                                                 best_[4].data()};
+    for (int x = 0; x < width_; ++x) {
+      const float n = count[x], half = float(int(0.5f * n + 0.5f));
+      const float taken = smaller(half, float(kBetter));
+      float sum = best[0][x];
+      for (int k = 1; k < kBetter; ++k) sum += taken > float(k) ? best[std::size_t(k)][x] : 0.0f;
+      float c = sum / larger(taken, 1.0f);
+      c = n == 1.0f ? kAloneShare * c + kAloneMore : c;
+      c = n == 0.0f ? kUnseen : c;
+      out[x] = std::uint8_t(int(smaller(c * kCostOfOne + 0.5f, 255.0f)));
+    }
+  }
+
+  int width_, height_;
+  ImageF own_, mean_, variance_;                   // of the photograph
+  std::vector<Columns> value_, square_, product_;  // by source
+  std::vector<float> sumA_, sumB_, sumC_, count_, zero_;
+  std::array<std::vector<float>, kBetter> best_;  // of the row: the least costs, ascending
+};
+
+struct Levels {
+  double first = 0, step = 0;
+  int count = 0;
+  double at(double level) const { return first + level * step; }
+};
+
+Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, std::vector<double> tracks) {
+  std::sort(tracks.begin(), tracks.end());
+  const auto quantile = [&](double share) { return tracks[std::size_t(share * double(tracks.size() - 1) + 0.5)]; };
+  const double near = kBefore * quantile(0.995), far = quantile(0.005);
+  const double first = far < kInfinity * quantile(0.995) ? 0.0 : kBehind * far;
+  std::vector<double> motion;
+  for (const SweepView& source : sources)
+    if (const double m = motionOf(photograph.camera, source.camera, 0.5 * (first + near)); m > 0) motion.push_back(m);
+  std::sort(motion.begin(), motion.end());
+  const double px = motion.empty() ? kLeastLevels : motion[motion.size() / 2] * (near - first);
+  const int count = int(std::clamp(std::ceil(px), kLeastLevels, kMostLevels)) + 1;
+  return {first, (near - first) / (count - 1), count};
+}
+
+CostVolume costsOf(const SweepView& photograph, std::span<const SweepView> sources, const Levels& levels) {
+  const int width = photograph.grey.width, height = photograph.grey.height;
+  const std::size_t pixels = photograph.grey.values.size();
+  std::vector<SweepView> views(sources.begin(), sources.end());
+  std::vector<FrameToMember> maps;
+  for (SweepView& view : views) {
+    double motion = motionOf(photograph.camera, view.camera, levels.at(0.5 * (levels.count - 1))) * levels.step;
+    for (; motion > kMostMotion && std::min(view.grey.width, view.grey.height) > kLeastSide; motion /= 2)
+      view = halved(view);
+    maps.push_back(frameToMember(photograph.camera, view.camera));
+  }
+  std::vector<WarpedView> warped(views.size(), WarpedView(width, height));
+  SourceCorrelation correlation(photograph, views.size());
+  CostVolume volume{width, height, levels.count, {}, photograph.grey, {}};
+  volume.cost.resize(pixels * std::size_t(levels.count));
+  std::vector<std::uint8_t> block(pixels * kBlock);
+  for (int base = 0; base < levels.count; base += kBlock) {
+    const int count = std::min(kBlock, levels.count - base);
+    for (int k = 0; k < count; ++k) {
+      for (std::size_t s = 0; s < views.size(); ++s)
+        warp(views[s], maps[s].a + glm::outerProduct(maps[s].b, glm::dvec3(0, 0, levels.at(base + k))), warped[s]);
+      correlation.run(warped, &block[std::size_t(k) * pixels]);
+    }
+    for (std::size_t p = 0; p < pixels; ++p)
+      for (int k = 0; k < count; ++k)
+        volume.cost[p * std::size_t(levels.count) + std::size_t(base + k)] = block[std::size_t(k) * pixels + p];
+  }
+  return volume;
+}
+
+}  // namespace
+
+SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources,
+                      std::vector<double> trackInverseDepths) {
+  const int width = photograph.grey.width, height = photograph.grey.height;
+  const std::size_t pixels = photograph.grey.values.size();
+  const Levels levels = levelsOf(photograph, sources, std::move(trackInverseDepths));
+  const CostVolume volume = costsOf(photograph, sources, levels);
+  const SemiGlobalMatch match = semiGlobalMatch(volume);
+  SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1)};
+  Image8 cost(width, height, 1);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const double level = std::clamp(double(match.level.values[p]), 0.0, double(levels.count - 1));
+    const bool masked = !photograph.mask.empty() && !photograph.mask.values[p];
+    cost.values[p] = volume.cost[p * std::size_t(levels.count) + std::size_t(std::lround(level))];
+    const bool known = !masked && cost.values[p] < std::uint8_t(kUnseen * kCostOfOne);
+    result.inverseDepth.values[p] = known ? float(levels.at(level)) : kUnknownDepth;
+  }
+  if (levels.first > 0) return result;
+  result.sky = skyOf(match.firstExcess, cost);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    if (!photograph.mask.empty() && !photograph.mask.values[p]) result.sky.values[p] = 0;
+    if (result.sky.values[p]) result.inverseDepth.values[p] = 0;
+  }
+  return result;
+}
+
+}  // namespace ibr

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/depth/depth_sources.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "author/geometry/posed_model.h"
+#include "support/posed_rig.h"
+
+using namespace ibr;
+using namespace ibr::test;
+
+namespace {
+
+constexpr double kDistance = 10;
+
+// Photographs at these places look along y at points of a wall; each observes what it sees.
+struct Capture {
+  PosedModel model;
+  std::vector<Camera> cameras;
+
+  void photograph(double x, glm::dvec3 forward = {0, 1, 0}) {
+    const Camera camera = lookingAlong({x, 0, 0}, forward, 320, 240, 1.2);
+    model.images.push_back({std::to_string(cameras.size()) + ".jpg", camera});
+    cameras.push_back(camera);
+  }
+  std::vector<std::uint32_t> sourcesOf(std::uint32_t photograph) {
+    model.tracks.clear();
+    for (int row = -6; row <= 6; ++row)
+      for (int column = -30; column <= 30; ++column) {
+        Track track{{0.5 * column, kDistance, 0.5 * row}, {}};
+        for (std::uint32_t i = 0; i < cameras.size(); ++i) {
+          const Camera& camera = cameras[i];
+          const auto at = project(camera.intrinsics,
+                                  glm::conjugate(camera.pose.rotation) * (track.position - camera.pose.position));
+          if (at && at->x > 0 && at->y > 0 && at->x < 320 && at->y < 240) track.observations.push_back({i, *at});
+        }
+        if (!track.observations.empty()) model.tracks.push_back(track);
+      }
+    return depthSources(model, cameras, tracksOfImages(model), photograph);
+  }
+};
+
+bool holds(const std::vector<std::uint32_t>& list, std::uint32_t one) {
+  return std::ranges::find(list, one) != list.end();
+}
+
+}  // namespace
+
+TEST_CASE("the first source stands about six degrees away; those at the same place are none") {
+  Capture capture;
+  for (const double x : {0.0, 0.0, 0.05, 1.05, 6.0}) capture.photograph(x);  // 1.05: 6° at the distance
+  const auto sources = capture.sourcesOf(0);
+  REQUIRE_FALSE(sources.empty());
+  CHECK(sources[0] == 3);
+  CHECK_FALSE(holds(sources, 0));
+  CHECK((sources.size() < 2 || sources.back() != 3));
+}
+
+TEST_CASE("a photograph that looks another way is a source where it sees the same places, and only there") {
+  Capture capture;
+  capture.photograph(0);
+  capture.photograph(1, {0.3, 1, 0});
+  capture.photograph(1, {0, -1, 0});
+  const auto sources = capture.sourcesOf(0);
+  CHECK(sources == std::vector<std::uint32_t>{1});
+}
+
+TEST_CASE("both sides of a picture have sources, and there are no more than asked for") {
+  Capture capture;
+  capture.photograph(0);
+  for (int i = 0; i < 8; ++i) capture.photograph(0.9 + 0.01 * i, {0.9, 1, 0});  // all of the right side
+  capture.photograph(-1, {-0.9, 1, 0});
+  const auto sources = capture.sourcesOf(0);
+  CHECK(sources.size() <= kNearSources + kWideSources);
+  CHECK(std::ranges::find(sources.begin(), sources.begin() + 2, 9u) != sources.begin() + 2);
+}
+
+TEST_CASE("a photograph alone, and one without tracks, has no sources") {
+  Capture capture;
+  capture.photograph(0);
+  CHECK(capture.sourcesOf(0).empty());
+  capture.photograph(1);
+  capture.model.tracks.clear();
+  CHECK(depthSources(capture.model, capture.cameras, tracksOfImages(capture.model), 0).empty());
+}
+
+TEST_CASE("moving and turning the world changes no source") {
+  Capture capture;
+  for (const double x : {0.0, 0.4, 1.1, 1.9, 3.0, -0.8}) capture.photograph(x);
+  const auto before = capture.sourcesOf(0);
+  const glm::dquat turn = glm::normalize(glm::dquat(0.8, 0.3, -0.4, 0.2));
+  const glm::dvec3 shift{1e4, -200, 70};
+  for (Camera& camera : capture.cameras)
+    camera.pose = {turn * camera.pose.position + shift, glm::normalize(turn * camera.pose.rotation)};
+  for (Track& track : capture.model.tracks) track.position = turn * track.position + shift;
+  CHECK(depthSources(capture.model, capture.cameras, tracksOfImages(capture.model), 0) == before);
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "author/depth/sky.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+using namespace ibr;
+
+namespace {
+
+constexpr int kWidth = 80, kHeight = 60;
+
+// A house from row 30 down: infinity is far worse there. Above it infinity is as good as any depth.
+struct Place {
+  ImageF excess{kWidth, kHeight, 1, 0.0f};
+  Image8 cost{kWidth, kHeight, 1, 20};
+
+  Place() { fill(0, 30, kWidth, kHeight, 400, 10); }
+  void fill(int left, int top, int right, int bottom, float its, int costs) {
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) {
+        excess.pixel(x, y)[0] = its;
+        cost.pixel(x, y)[0] = std::uint8_t(costs);
+      }
+  }
+  Image8 sky() const { return skyOf(excess, cost); }
+};
+
+bool at(const Image8& sky, int x, int y) {
+  return sky.pixel(x, y)[0] != 0;
+}
+
+}  // namespace
+
+TEST_CASE("sky is what infinity explains, two pixels away from all else") {
+  const Image8 sky = Place().sky();
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) CHECK(at(sky, x, y) == (y < 28));
+}
+
+TEST_CASE("a clear sky is sky, though nothing matches there; a wall without texture below a roof is not") {
+  Place place;
+  place.fill(0, 0, 40, 20, 120, 100);   // clear
+  place.fill(10, 40, 70, 58, 90, 100);  // wall
+  const Image8 sky = place.sky();
+  CHECK(at(sky, 20, 10));
+  CHECK_FALSE(at(sky, 40, 50));
+  place.fill(0, 0, 40, 20, 120, 20);  // the same, but another depth matches
+  CHECK_FALSE(at(place.sky(), 20, 10));
+}
+
+TEST_CASE("no sky is found where infinity is nowhere as good as a depth, below the border, or in small regions") {
+  Place near;
+  near.fill(0, 0, kWidth, 30, 40, 20);
+  Place below;
+  below.fill(0, 0, kWidth, 3, 400, 10);
+  Place small;
+  small.fill(22, 0, kWidth, 30, 400, 10);  // leaves 20 × 28 − …
+  small.fill(0, 18, kWidth, 30, 400, 10);
+  for (const Place* place : {&near, &below, &small})
+    CHECK(std::ranges::none_of(place->sky().values, [](int value) { return value != 0; }));
+}
