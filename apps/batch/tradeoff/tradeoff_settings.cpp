@@ -16,7 +16,7 @@ struct Value {
   std::function<void(TradeoffWay&)> set;
 };
 
-enum class Around { usual, mapped, twoEyes };  // the default; colours mapped; that for two eyes
+enum class Around { usual, gathered, mapped, twoEyes };  // the default; gathered; colours mapped; that for two eyes
 
 struct Knob {
   const char* name;
@@ -65,6 +65,16 @@ std::vector<std::pair<const char*, M>> listOf(const std::array<std::pair<const c
 const std::vector<Knob>& knobs() {
   using R = RenderSettings;
   static const std::vector<Knob> kKnobs{
+      {"composition", "where depth and colour come from", Around::usual,
+       words<Composition>(
+           &R::composition,
+           {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}})},
+      {"photographs", "photographs that vote and are gathered from", Around::gathered,
+       numbers<int>(&R::gatherCandidates, {4, 8, 12, 16})},
+      {"colours", "photographs of a pixel's colour", Around::gathered, numbers<int>(&R::gatherColours, {1, 2, 4, 8})},
+      {"layers", "surfaces of a pixel", Around::gathered, numbers<int>(&R::gatherLayers, {1, 2})},
+      {"voteScale", "sides of the vote, of the picture's", Around::gathered,
+       numbers<double>(&R::voteScale, {0.125, 0.25, 0.5, 1})},
       {"cells", "cells drawn at most", Around::usual, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
       {"backdrops", "backdrops drawn at most", Around::usual, numbers<int>(&R::maxBackdrops, {0, 4, 12, 24, 64})},
       {"extrapolation", "distance of cells at most, cell sizes", Around::usual,
@@ -146,7 +156,10 @@ class Settings {
 
   void addKnob(const Knob& knob) {
     TradeoffWay base = made_.all[kDefaultSetting].way;
-    if (knob.around != Around::usual) base.settings.colourMapping = ColourMapping::ours;
+    if (knob.around == Around::gathered)
+      base.settings.composition = Composition::gathered;
+    else if (knob.around != Around::usual)
+      base.settings.colourMapping = ColourMapping::ours;
     if (knob.around == Around::twoEyes) base.views = 2;
     for (const Value& value : knob.values) {
       TradeoffWay way = base;
