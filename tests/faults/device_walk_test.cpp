@@ -56,7 +56,9 @@ std::vector<Look> looks() {
                         {"paper, drawn again", {}, 41},
                         {"overlay, floor, hidden area", {}, 17},
                         {"filled", {}},
-                        {"stereo", {}, 11, 2}};
+                        {"stereo", {}, 11, 2},
+                        {"gathered", {}, 11},
+                        {"gathered where cells leave holes", {}, 17, 2}};
   for (Look& look : all) {
     look.settings.lowestTier = kTierBackdrop;
     look.settings.switchSeconds = 0;
@@ -69,6 +71,8 @@ std::vector<Look> looks() {
   all[5].settings.lowestTier = kTierFilled;
   all[5].settings.switchSeconds = 0.25;
   all[5].settings.blend = BlendMode::dither;
+  all[7].settings.composition = Composition::gathered;
+  all[8].settings.composition = Composition::hybrid;
   return all;
 }
 

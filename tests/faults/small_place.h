@@ -22,6 +22,7 @@ class SmallPlace {
   }
   GpuScene open(Device& device, GpuSceneOptions options = {}) const {
     options.source = source();
+    options.depthSource = farDepths;
     return GpuScene(device, place_.scene, options);
   }
 
@@ -62,6 +63,7 @@ class SmallPlace {
     options.cells = {{0, 1, 2}, {1, 2, 3}};
     SyntheticScene made = makeScene(options);
     addBackdrops(made, options);
+    addEvidence(made);
     return made;
   }
 

@@ -11,6 +11,7 @@
 #include "ibr/requirements.h"
 #include "reference/stage.h"
 #include "shared/colour_map.h"
+#include "shared/gather.h"
 #include "support/gpu.h"
 
 using namespace ibr;
@@ -172,6 +173,23 @@ std::vector<Row> table() {
   addBackdrops(behind, three);
   rows.push_back({"backdrops of three photographs", behind, plain, 1,
                   counters(2 + 2 + 1, 2, 2 + 3, 0, {canvas, 0, 0, (1 + kLeaving + 6 * 3) * kParameter, kNoise})});
+  // The vote has half the sides: a tile of the atlas for each of twelve candidates, in ρ, evidence and depth; its
+  // surfaces, and their holes. Photographs gathered from draw no backdrops; where nothing else is drawn, no cells.
+  addEvidence(behind);
+  const std::uint64_t voted = kPixels / 4, tiles = 12;
+  const std::uint64_t gather =
+      sizeof(shader::GatherView) + tiles * (8 + 4) * voted + 16 * voted + 8 * (16 * 12 + 8 * 6 + 4 * 3 + 2 * 2 + 1);
+  const auto gathered = [&](Composition composition, std::uint32_t cells) {
+    Renderer::Counters::Bytes bytes{canvas, 0, 0, (1 + kLeaving + 6 * 3) * kParameter, kNoise};
+    bytes.gather = gather;
+    return Row{
+        composition == Composition::gathered ? "gathered from three photographs" : "gathered where cells leave holes",
+        behind, with([&](auto& s) { s.composition = composition; }), 1,
+        // Depths of candidates, vote, gather, three of holes; a pass and three draws for the candidates.
+        counters(2 + 2 + 1 + 6, 1 + 2, 3 + 1 + cells + 1, 1 + (2 * 5 - 1), bytes)};
+  };
+  rows.push_back(gathered(Composition::gathered, 0));
+  rows.push_back(gathered(Composition::hybrid, 1));
   rows.push_back({"no cell", SyntheticScene{}, plain, 1, counters(1, 2, 1, 0, {canvas, 0, 0, kParameter, 0})});
   return rows;
 }
@@ -183,7 +201,7 @@ FramePlan planOf(const SyntheticScene& place, const RenderSettings& settings, st
 }
 
 GpuScene onDevice(const SyntheticScene& place) {
-  return GpuScene(testDevice(), place.scene, {.source = photographsOf(place)});
+  return GpuScene(testDevice(), place.scene, {.source = photographsOf(place), .depthSource = farDepths});
 }
 
 Image8 pictureOf(const GpuScene& scene, const FramePlan& plan, const RendererOptions& options) {
@@ -210,6 +228,7 @@ TEST_CASE("what a scene costs is what stands in the table", "[P12][multiview]") 
     CHECK(counted.bytes.parameters == row.expected.bytes.parameters);
     CHECK(counted.bytes.noise == row.expected.bytes.noise);
     CHECK(counted.bytes.uncertainties == row.expected.bytes.uncertainties);
+    CHECK(counted.bytes.gather == row.expected.bytes.gather);
     CHECK(counted.bytes.hiddenArea == 0);
     CHECK(counted.workingBytes >= counted.bytes.canvases + counted.bytes.fill);
   }
@@ -220,9 +239,9 @@ TEST_CASE("the page of costs says what stands in the table", "[P12]") {
   for (const Row& row : table()) {
     const auto& e = row.expected;
     const auto& b = e.bytes;
-    const std::string line =
-        fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |", row.name, e.pipelines, e.passes,
-                    e.draws, e.dispatches, b.canvases, b.fill, b.colours, b.parameters, b.noise, b.uncertainties);
+    const std::string line = fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |", row.name,
+                                         e.pipelines, e.passes, e.draws, e.dispatches, b.canvases, b.fill, b.colours,
+                                         b.parameters, b.noise, b.uncertainties, b.gather);
     INFO(line);
     CHECK((row.multiview || page.find(line + '\n') != std::string::npos));
   }
@@ -245,6 +264,7 @@ TEST_CASE("a renderer for these settings alone shows what one for all settings s
                                                       .overlays = {settings.overlay},
                                                       .floor = true,
                                                       .uncertainties = &place.scene,
+                                                      .compositions = {settings.composition},
                                                       .largestScale = 1}));
   }
 }

@@ -7,6 +7,7 @@
 
 #include "ibr/offscreen.h"
 #include "ibr/renderer.h"
+#include "image/depth_texture.h"
 #include "image/mips.h"
 #include "scene/synth/synthetic.h"
 
@@ -139,6 +140,21 @@ inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options)
     }
     place.scene.backdrops.push_back(backdrop);
   }
+}
+
+/// Makes photographs with backdrops fit to be gathered from: three others confirm each vertex. Their depth textures
+/// (farDepths) are at infinity.
+inline void addEvidence(SyntheticScene& place) {
+  for (Cell& backdrop : place.scene.backdrops) {
+    backdrop.mesh.confirmations.assign(backdrop.mesh.pointCount(), 3);
+    backdrop.mesh.consensus.assign(backdrop.mesh.pointCount(), 0.9f);
+    Node& node = place.scene.nodes[backdrop.members[0]];
+    node.depthFile = "depth/" + node.name + ".ktx2";
+    node.depthScale = 1;
+  }
+}
+inline Texture farDepths(const Scene&, std::size_t, int) {
+  return depthTexture({ImageF(4, 3, 1, 0.0f), ImageF(4, 3, 1, 0.9f)}, 16).texture;
 }
 
 /// Four cameras' place() as two cells over their backdrops.
