@@ -131,6 +131,26 @@ inline constexpr std::uint32_t kMaxGatherCandidates = 16;
 inline constexpr std::uint32_t kMaxGatherColours = 8;
 inline constexpr std::uint32_t kMaxGatherLayers = 2;
 
+/// How a frame is drawn. Which fields count for which Composition:
+///
+///   field                                            cells    gathered                       hybrid
+///   gatherCandidates, gatherColours, gatherLayers,
+///   voteScale                                        no       yes                            yes
+///   textureScale, renderScale, alpha, floor,
+///   background, leaveOutHidden                       yes      yes                            yes
+///   lowestTier                                       yes      0 confirmed, 2 completed,      0 cells and confirmed,
+///                                                             3 filled                       as gathered
+///   exposure, exposureSeconds                        yes      adapted: to the photographs    as cells
+///                                                             by inverse squared distance
+///   maxCells, extrapolationLimit, fadeShare,
+///   switchSeconds, morph, blend, alignCells,
+///   mutedCells, soloCells, colour…, shareEyeColours  yes      no                             of its cells
+///   maxBackdrops                                     yes      no                             no
+///   overlay                                          yes      the cells are drawn            the cells are drawn
+///   order paper; colourMapping paper, paperRedraw    yes      refused                        refused
+///
+/// Refused: planFrame throws Error{invalidInput} that names the field. A scene whose photographs have no evidence of
+/// their depth (Requirements::gatherable 0) is drawn as with Composition::cells.
 struct RenderSettings {
   Composition composition = Composition::cells;
   std::uint32_t gatherCandidates = 12;  // K: photographs that vote, 1 to kMaxGatherCandidates
@@ -156,7 +176,8 @@ struct RenderSettings {
   bool alignCells = false;  // Morph::ours: neighbours agree on where their shared photographs are seen
                             // (PlannedCell::correction), though poses be wrong. Helps where errors of poses are large
                             // and of no pattern; on good poses it may lose a little
-  int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled also invents what nothing shows
+  int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled fills from around what nothing shows,
+                                   // but not in scenes with masks: what these leave out is not invented
   bool leaveOutHidden = true;      // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
 
   Exposure exposure = Exposure::adapted;
@@ -182,7 +203,8 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Settings by name, from the fastest to the most accurate. `balanced` is the default.
+/// Settings by name, from the fastest to the most accurate. `balanced` is the default of the programs; all but `fast`
+/// fill.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
 RenderSettings preset(Preset preset);
 
