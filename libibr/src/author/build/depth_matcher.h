@@ -15,7 +15,8 @@ namespace ibr {
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. Both must outlive the object. Throws as loadPhotograph and BuildJobs::runAll do.
+  /// Reads the photographs. `input` and `options` must outlive the object. Throws as loadPhotograph and
+  /// BuildJobs::runAll do.
   DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);
 
   /// Of half the size at which photographs are matched, and at most backdropSize. nullopt of panoramas, and where no

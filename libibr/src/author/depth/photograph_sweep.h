@@ -2,7 +2,7 @@
 // A photograph's depth from many others: plane sweep in the photograph's own picture, then semi-global matching.
 //
 //   cost(pixel, ρ) = mean over the better half of the sources that see the pixel of c, where c = 1 − ZNCC of 5×5
-//                    windows; of one source alone .5 c + .35, of none .78
+//                    windows; of one source alone .5 c + .35, of none .78; c = 1 is 127 in the volume of costs
 //
 // The better half: in the other sources something may stand before the surface. ρ goes in even steps, of about one
 // pixel of the median source, to well before the nearest tracks; from 0 (infinity), unless all tracks are about equally

@@ -9,7 +9,7 @@
 namespace ibr {
 
 /// 255 where sky is, else 0; one channel. `infinityExcess`: SemiGlobalMatch::firstExcess of a sweep that begins at
-/// infinity; `cost`: of the matched depth, kCostLargest / 2 where nothing correlates. Both of one size.
+/// infinity; `cost`: of the matched depth, 127 where nothing correlates. Both of one size.
 Image8 skyOf(const ImageF& infinityExcess, const Image8& cost);
 
 }  // namespace ibr
