@@ -25,7 +25,8 @@ struct Capture {
     model.images.push_back({std::to_string(cameras.size()) + ".jpg", camera});
     cameras.push_back(camera);
   }
-  std::vector<std::uint32_t> sourcesOf(std::uint32_t photograph) {
+  // With so many tracks in the place of one to the right of x = 3.
+  std::vector<std::uint32_t> sourcesOf(std::uint32_t photograph, int crowd = 1) {
     model.tracks.clear();
     for (int row = -6; row <= 6; ++row)
       for (int column = -30; column <= 30; ++column) {
@@ -36,7 +37,7 @@ struct Capture {
                                   glm::conjugate(camera.pose.rotation) * (track.position - camera.pose.position));
           if (at && at->x > 0 && at->y > 0 && at->x < 320 && at->y < 240) track.observations.push_back({i, *at});
         }
-        if (!track.observations.empty()) model.tracks.push_back(track);
+        if (!track.observations.empty()) model.tracks.insert(model.tracks.end(), column > 6 ? crowd : 1, track);
       }
     return depthSources(model, cameras, tracksOfImages(model), photograph);
   }
@@ -75,6 +76,15 @@ TEST_CASE("both sides of a picture have sources, and there are no more than aske
   const auto sources = capture.sourcesOf(0);
   CHECK(sources.size() <= kNearSources + kWideSources);
   CHECK(std::ranges::find(sources.begin(), sources.begin() + 2, 9u) != sources.begin() + 2);
+}
+
+TEST_CASE("places count by their share of the picture, however many tracks they have") {
+  Capture capture;
+  capture.photograph(0);
+  capture.photograph(-1.05, {-0.35, 1, 0});  // sees most of it
+  capture.photograph(1.05, {1.1, 1, 0});     // the right side alone
+  REQUIRE(capture.sourcesOf(0).size() == 2);
+  for (const int crowd : {1, 50}) CHECK(capture.sourcesOf(0, crowd)[0] == 1);
 }
 
 TEST_CASE("a photograph alone, and one without tracks, has no sources") {

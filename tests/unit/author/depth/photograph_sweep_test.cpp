@@ -80,12 +80,24 @@ TEST_CASE("what is masked in the photograph has no depth, and what is masked in 
   Place place(false);
   place.views[0].mask = Image8(kWidth, kHeight, 1, 255);
   for (int x = 0; x < kWidth; ++x) place.views[0].mask.pixel(x, 60)[0] = 0;
-  // A source shows another place, all of it masked.
   for (float& value : place.views[2].grey.values) value = 255 - value;
   place.views[2].mask = Image8(kWidth, kHeight, 1, 0);
+  CHECK(place.shareRight(place.swept()) > 0.97);
+  // All sources but one show the opposite, and are masked.
+  for (std::size_t i = 3; i < place.views.size(); ++i) {
+    for (float& value : place.views[i].grey.values) value = 255 - value;
+    place.views[i].mask = Image8(kWidth, kHeight, 1, 0);
+  }
   const SweptDepth depth = place.swept();
   for (int x = 0; x < kWidth; ++x) CHECK(depth.inverseDepth.pixel(x, 60)[0] == kUnknownDepth);
-  CHECK(place.shareRight(depth) > 0.97);
+  CHECK(place.shareRight(depth) > 0.8 * place.shareRight(Place(false).swept(1)));
+}
+
+TEST_CASE("sources that show something else do not count where the better half agrees") {
+  Place place(false);
+  for (const std::size_t i : {2, 4})
+    for (float& value : place.views[i].grey.values) value = 255 - value;
+  CHECK(place.shareRight(place.swept()) > 0.97);
 }
 
 TEST_CASE("sky above a wall is found at infinity") {
