@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
-// The surfaces of a pixel: peaks of support among the candidates' hypotheses, nearest first.
+// The surfaces of a pixel: the hypotheses of the candidates' depths that show most, nearest first.
 //   target: ρ of the first surface, of the second (−1: there is none), opacity of the first,
 //           1 + (first completed) + 2 · (second completed), or 0 where there is no hypothesis
 #extension GL_GOOGLE_include_directive : require
@@ -14,11 +14,14 @@ layout(set = kSetGatherView, binding = kBindingGatherAtlas) uniform usampler2D a
 layout(set = kSetGatherView, binding = kBindingGatherVote, rgba32f) uniform writeonly image2D target;
 
 float rho[kCandidates], weight[kCandidates], consensus[kCandidates], trust[kCandidates], support[kCandidates];
+float presence[kCandidates];  // 0: no surface of its own
 
-void main() {
-  const uvec2 pixel = gl_GlobalInvocationID.xy;
-  if (pixel.x >= c.voteExtent.x || pixel.y >= c.voteExtent.y) return;
-  const float step = views[c.view].step;
+struct Shown {
+  int who;      // hypothesis; −1: none
+  float share;  // of the pixel
+};
+
+void readHypotheses(uvec2 pixel) {
   for (int i = 0; i < kCandidates; ++i) {
     const uvec2 tile = c.tile * uvec2(i % kGatherColumns, i / kGatherColumns);
     // Tiles beyond the candidates were not drawn: what lies there may be no number.
@@ -29,6 +32,9 @@ void main() {
     consensus[i] = evidence.y;
     weight[i] = evidence.x * views[c.view].candidate[i].voteWeight;
   }
+}
+
+void findPresences(float step) {
   float most = 0.0;
   for (int i = 0; i < kCandidates; ++i) {
     support[i] = 0.0;
@@ -36,39 +42,76 @@ void main() {
       for (int j = 0; j < kCandidates; ++j) support[i] += weight[j] * gatherKernel(rho[i], rho[j], step);
     most = max(most, support[i]);
   }
-  uint peaks = 0u;
   for (int i = 0; i < kCandidates; ++i) {
-    bool peak = weight[i] > 0.0 && support[i] > kGatherSupportShare * most;
-    for (int j = 0; j < kCandidates; ++j)
-      if (weight[j] > 0.0 && gatherKernel(rho[i], rho[j], step) > 0.0 &&
-          (support[j] > support[i] || (support[j] == support[i] && j < i)))
-        peak = false;
-    if (peak) peaks |= 1u << i;
+    presence[i] = weight[i] > 0.0 ? support[i] / most : 0.0;
+    if (presence[i] > 0.0)
+      for (int j = 0; j < kCandidates; ++j)
+        if (weight[j] > 0.0 && (support[j] > support[i] || (support[j] == support[i] && j < i)))
+          presence[i] *= max(1.0 - gatherKernel(rho[i], rho[j], step) / kGatherSameSurface, 0.0);
   }
-  vec4 result = vec4(0.0, -1.0, 1.0, 0.0);
-  for (int l = 0; l < kLayers; ++l) {
+}
+
+// Means over the hypotheses around one: ρ, consensus, share that was completed.
+vec3 surfaceAt(int peak, float step) {
+  float sum = 0.0;
+  vec3 mean = vec3(0.0);
+  for (int j = 0; j < kCandidates; ++j) {
+    const float w = weight[j] * gatherKernel(rho[peak], rho[j], step);
+    sum += w;
+    mean += w * vec3(rho[j], consensus[j], trust[j] < kGatherCompleted ? 1.0 : 0.0);
+  }
+  return mean / sum;
+}
+
+// From front to back. The last surface hides nothing that is known, and shows whole.
+Shown[2] mostShown(float step) {
+  Shown most[2] = Shown[2](Shown(-1, 0.0), Shown(-1, 0.0));
+  uint left = 0u;
+  for (int i = 0; i < kCandidates; ++i)
+    if (presence[i] > 0.0) left |= 1u << i;
+  float through = 1.0;
+  while (left != 0u) {
     int nearest = -1;
     for (int i = 0; i < kCandidates; ++i)
-      if ((peaks >> i & 1u) != 0u && (nearest < 0 || rho[i] > rho[nearest])) nearest = i;
-    if (nearest < 0) break;
-    peaks &= ~(1u << nearest);
-    float sum = 0.0, depth = 0.0, agreed = 0.0, completed = 0.0;
-    for (int j = 0; j < kCandidates; ++j) {
-      const float w = weight[j] * gatherKernel(rho[nearest], rho[j], step);
-      sum += w;
-      depth += w * rho[j];
-      agreed += w * consensus[j];
-      completed += trust[j] < kGatherCompleted ? w : 0.0;
+      if ((left >> i & 1u) != 0u && (nearest < 0 || rho[i] > rho[nearest])) nearest = i;
+    left &= ~(1u << nearest);
+    float nothingBehind = 1.0;
+    for (int i = 0; i < kCandidates; ++i)
+      if ((left >> i & 1u) != 0u) nothingBehind *= 1.0 - presence[i];
+    const float opacity = clamp(surfaceAt(nearest, step).y / kGatherFullConsensus, 0.0, 1.0);
+    const Shown next = Shown(nearest, through * presence[nearest] * mix(opacity, 1.0, nothingBehind));
+    through -= next.share;
+    if (next.share > most[0].share) {
+      most[1] = most[0];
+      most[0] = next;
+    } else if (next.share > most[1].share) {
+      most[1] = next;
     }
-    const bool isCompleted = completed > 0.5 * sum;
-    if (l == 0) {
-      result.x = depth / sum;
-      result.z = clamp(agreed / sum / kGatherFullConsensus, 0.0, 1.0);
-      result.w = isCompleted ? 2.0 : 1.0;
-    } else {
-      result.y = depth / sum;
-      result.w += isCompleted ? 2.0 : 0.0;
-    }
+  }
+  return most;
+}
+
+void main() {
+  const uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (pixel.x >= c.voteExtent.x || pixel.y >= c.voteExtent.y) return;
+  const float step = views[c.view].step;
+  readHypotheses(pixel);
+  findPresences(step);
+  Shown shown[2] = mostShown(step);
+  if (kLayers == 1) shown[1].who = -1;
+  if (shown[1].who >= 0 && rho[shown[1].who] > rho[shown[0].who])
+    shown = Shown[2](shown[1], shown[0]);
+  vec4 result = vec4(0.0, -1.0, 1.0, 0.0);
+  if (shown[0].who >= 0) {
+    const vec3 first = surfaceAt(shown[0].who, step);
+    result.x = first.x;
+    result.w = first.z > 0.5 ? 2.0 : 1.0;
+  }
+  if (shown[1].who >= 0) {
+    const vec3 second = surfaceAt(shown[1].who, step);
+    result.y = second.x;
+    result.z = shown[0].share / (shown[0].share + shown[1].share);
+    result.w += second.z > 0.5 ? 2.0 : 0.0;
   }
   imageStore(target, ivec2(pixel), result);
 }

@@ -2,7 +2,9 @@
 // Vote for depth, then gather colours from the photographs that saw it (Composition::gathered), for GLSL and C++.
 //
 //   layers   the mesh of every candidate photograph is drawn into a tile of an atlas: ρ, trust, consensus
-//   vote     hypotheses of a pixel support each other; peaks of support, front to back, are the pixel's surfaces
+//   vote     hypotheses of a pixel support each other. Each is present as a surface by its share of the largest
+//            support, times 1 − kernel / .25 for each of more support; from front to back it shows presence · opacity of what
+//            those before it leave. The two that show most are the pixel's surfaces
 //   gather   a surface's colour is the mean of the N photographs that see it best
 //
 // All lengths are in units of b, the median spacing of the capture sites; ρ is 1 / length.
@@ -39,8 +41,8 @@ IBR_CONSTANT float kGatherHidden = 0.002f;        // a hidden photograph is bett
 IBR_CONSTANT float kGatherBehind = 0.25f;         // visibility where the photograph's own surface stands behind
 IBR_CONSTANT float kGatherOwnPlace = 0.01f;       // radians of cost within which hiding and borders stop to count
 IBR_CONSTANT float kGatherLeastApart = 1e-6f;
-IBR_CONSTANT float kGatherSupportShare = 0.05f;  // of the largest support of a pixel: less is no surface
-IBR_CONSTANT float kGatherFullConsensus = 0.9f;  // from which on a surface hides all behind it
+IBR_CONSTANT float kGatherSameSurface = 0.25f;  // kernel from which on the lesser hypothesis is no surface of its own
+IBR_CONSTANT float kGatherFullConsensus = 0.9f;  // from which on a surface that is present hides all behind it
 IBR_CONSTANT float kGatherColourSpread = 15.0f;  // 8-bit levels; a surface whose colours differ by this counts half
 IBR_CONSTANT float kGatherSteps = 2.0f;          // of the vote's tolerance: steps …
 IBR_CONSTANT float kGatherShare = 0.01f;         // … and a share of ρ

@@ -8,8 +8,10 @@
 //                  nearest surface (composer_layer.h)
 //   3. vote        hypotheses of a pixel support each other within a tolerance t, weighted by trust and by nearness:
 //                      u = trust(c) / (.3 + (d / b)²),   support(ρ) = Σ u (1 − (Δρ / t)²)
-//                  peaks from front to back are the pixel's surfaces, of opacity mean(a) / .9; pixels without a
-//                  hypothesis get depth by pull and push (composer_vote.h)
+//                  a hypothesis is present by its share of the largest support, times max(1 − kernel / .25, 0) for each
+//                  of more support; from front to back it shows presence · min(mean(a) / .9, 1) of what those before it
+//                  leave, and all as far as nothing is behind. The two that show most are the pixel's surfaces; pixels
+//                  without a hypothesis get depth by pull and push (composer_vote.h)
 //   4. gather      for each surface the N best candidates by
 //                      w = r² · border · visibility / cost,   cost = .03 + angle + .001 d / b
 //                  less the (N + 1)-th's w, so that no photograph comes or goes with a step (composer_gather.h). A
@@ -17,7 +19,7 @@
 //
 // ρ is inverse depth along a camera's axis (of a panorama: along the ray), 1 / world unit; c, v and a: PhotographDepth;
 // d: distance of a photograph from the middle of the views; b: spacing of the capture. The image is continuous in the
-// camera except where a peak appears or the third surface is dropped.
+// camera except where the second and the third surface change places.
 //
 // Departure: w is divided by s = smoothstep(0, .01, cost − .03), so that a photograph is alone at its own pose.
 #pragma once

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -15,8 +16,8 @@ namespace {
 constexpr double kStepTolerance = 2;       // of the tolerance: steps …
 constexpr double kShareTolerance = 0.01;   // … and a share of ρ
 constexpr double kNearness = 0.3;          // u = trust / (kNearness + squared distance in spacings)
-constexpr double kSupportShare = 0.05;     // of the largest support of a pixel: less is no surface
-constexpr double kFullConsensus = 0.9;     // consensus from which on a surface hides all behind it
+constexpr double kSameSurface = 0.25;      // kernel from which on the lesser hypothesis is no surface of its own
+constexpr double kFullConsensus = 0.9;     // consensus from which on a surface that is present hides all behind it
 constexpr double kCompletedTrust = 0.155;  // trust: a hypothesis below it was completed, not matched; the middle
                                            // between no and one confirmation
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
@@ -66,6 +67,53 @@ void push(const Level& coarse, Level& fine) {
     }
 }
 
+// How much a hypothesis at `there` supports one at `here`.
+double kernel(double here, double there, double step) {
+  const double off = (here - there) / toleranceOf(step, here);
+  return std::max(0.0, 1 - off * off);
+}
+
+std::vector<double> supports(std::span<const Vote> votes, double step) {
+  std::vector<double> support(votes.size(), 0.0);
+  for (std::size_t i = 0; i < votes.size(); ++i)
+    for (const Vote& other : votes)
+      support[i] += other.weight * kernel(votes[i].inverseDepth, other.inverseDepth, step);
+  return support;
+}
+
+// Relative difference of the two largest.
+double marginOf(std::vector<double> support) {
+  if (support.size() < 2) return 1;
+  std::ranges::sort(support, std::greater());
+  return (support[0] - support[1]) / support[0];
+}
+
+// How far each is a surface of its own: its share of the largest support, and less the nearer one of more support is.
+std::vector<double> presences(std::span<const Vote> votes, std::span<const double> support, double step) {
+  const double most = *std::ranges::max_element(support);
+  std::vector<double> present;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    present.push_back(support[i] / most);
+    for (std::size_t j = 0; j < votes.size(); ++j)
+      if (support[j] > support[i] || (support[j] == support[i] && j < i))
+        present[i] *= std::max(0.0, 1 - kernel(votes[i].inverseDepth, votes[j].inverseDepth, step) / kSameSurface);
+  }
+  return present;
+}
+
+// The mean of the hypotheses around one; its opacity as far as it is present.
+Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
+  double sum = 0, depth = 0, consensus = 0, completed = 0;
+  for (const Vote& vote : votes) {
+    const double weight = vote.weight * kernel(votes[peak].inverseDepth, vote.inverseDepth, step);
+    sum += weight;
+    depth += weight * vote.inverseDepth;
+    consensus += weight * vote.consensus;
+    completed += vote.trust < kCompletedTrust ? weight : 0.0;
+  }
+  return {depth / sum, std::clamp(consensus / sum / kFullConsensus, 0.0, 1.0), completed > kCompletedShare * sum};
+}
+
 }  // namespace
 
 double toleranceOf(double step, double inverseDepth) {
@@ -78,43 +126,42 @@ double voteWeight(double photographWeight, double trust, double distance) {
 
 Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers) {
   Surfaces result;
-  const std::size_t n = votes.size();
-  if (n == 0) return result;
-  const auto kernel = [&](std::size_t i, std::size_t j) {
-    const double off = (votes[i].inverseDepth - votes[j].inverseDepth) / toleranceOf(step, votes[i].inverseDepth);
-    return std::max(0.0, 1 - off * off);
-  };
-  std::vector<double> support(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) support[i] += votes[j].weight * kernel(i, j);
-  std::vector<double> sorted = support;
-  std::ranges::sort(sorted);
-  const double most = sorted[n - 1];
-  if (n > 1) result.margin = (most - sorted[n - 2]) / most;
-  const auto isPeak = [&](std::size_t i) {
-    if (support[i] <= kSupportShare * most) return false;
-    for (std::size_t j = 0; j < n; ++j)
-      if (kernel(i, j) > 0 && (support[j] > support[i] || (support[j] == support[i] && j < i))) return false;
-    return true;
-  };
-  std::vector<std::size_t> order(n);
+  if (votes.empty()) return result;
+  const std::vector<double> support = supports(votes, step);
+  const std::vector<double> present = presences(votes, support, step);
+  // From front to back. The last surface hides nothing that is known, and shows whole.
+  std::vector<std::size_t> order(votes.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::ranges::stable_sort(order,
                            [&](std::size_t i, std::size_t j) { return votes[i].inverseDepth > votes[j].inverseDepth; });
-  for (const std::size_t i : order) {
-    if (result.count == layers) break;
-    if (!isPeak(i)) continue;
-    double sum = 0, depth = 0, consensus = 0, completed = 0;
-    for (std::size_t j = 0; j < n; ++j) {
-      const double weight = votes[j].weight * kernel(i, j);
-      sum += weight;
-      depth += weight * votes[j].inverseDepth;
-      consensus += weight * votes[j].consensus;
-      completed += votes[j].trust < kCompletedTrust ? weight : 0.0;
-    }
-    result.surface[result.count++] = {depth / sum, std::clamp(consensus / sum / kFullConsensus, 0.0, 1.0),
-                                      completed > kCompletedShare * sum};
+  struct Shown {
+    double share;  // of the pixel
+    Surface surface;
+  };
+  std::vector<Shown> shown;
+  double through = 1;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (!(present[order[k]] > 0)) continue;
+    double nothingBehind = 1;
+    for (std::size_t l = k + 1; l < order.size(); ++l) nothingBehind *= 1 - present[order[l]];
+    const Surface surface = surfaceAt(votes, order[k], step);
+    const double share = through * present[order[k]] * std::lerp(surface.opacity, 1.0, nothingBehind);
+    through -= share;
+    if (share > 0) shown.push_back({share, surface});
   }
+  std::vector<Shown> most = shown;
+  std::ranges::stable_sort(most, std::ranges::greater(), &Shown::share);
+  result.margin = marginOf(support);
+  if (most.size() > layers) result.margin = std::min(result.margin, most[layers - 1].share - most[layers].share);
+  most.resize(std::min(most.size(), layers));
+  std::ranges::stable_sort(most, std::ranges::greater(), [](const Shown& one) { return one.surface.inverseDepth; });
+  double behind = 0;
+  for (std::size_t l = most.size(); l-- > 0;) {  // of what is there from this one on
+    behind += most[l].share;
+    result.surface[l] = most[l].surface;
+    result.surface[l].opacity = most[l].share / behind;
+  }
+  result.count = most.size();
   return result;
 }
 

@@ -26,7 +26,7 @@ struct Vote {
 /// A surface that colours are gathered for.
 struct Surface {
   double inverseDepth = 0;  // along the view's axis
-  double opacity = 1;       // 0 to 1, of what lies behind
+  double opacity = 1;       // 0 to 1, of what lies behind; of the last surface 1
   bool completed = false;   // most of its weight comes from depth that nobody confirmed
 };
 
@@ -35,7 +35,8 @@ struct Surfaces {
   std::array<Surface, kMaxGatherLayers> surface;
   std::size_t count = 0;  // 0: nothing is known
   bool filled = false;    // a hole of the vote
-  double margin = 1;      // relative difference of the two largest supports; 1 with fewer than two hypotheses
+  double margin = 1;      // the lesser of two differences: of the two largest supports, in the largest; of what the
+                          // last surface and the one after it show of the pixel. 1 where there are no two
 };
 
 /// `votes`: in the order of the candidates; `layers`: most surfaces, at most kMaxGatherLayers.
