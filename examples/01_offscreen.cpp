@@ -16,7 +16,7 @@ int main(int argc, char** argv) try {
   ibr::Device device = ibr::Device::create();
   const ibr::Scene scene = ibr::loadScene(argv[1]);
   const ibr::GpuScene gpuScene(device, scene);
-  const ibr::RenderSettings settings = ibr::preset(ibr::Preset::balanced);
+  const ibr::RenderSettings settings = ibr::preset(ibr::Preset::balanced, device.kind());
   const ibr::Renderer renderer(device, gpuScene, ibr::optionsFor(settings, {960, 540}));
   ibr::Offscreen offscreen(device, {960, 540});
 

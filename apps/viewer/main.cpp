@@ -16,6 +16,7 @@
 #include "shared/cli/exit_code.h"
 #include "shared/cli/folders.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 #include "shared/report/statistics.h"
 #include "viewer/control/screenshot.h"
@@ -179,6 +180,7 @@ ExitCode run(int argc, char** argv) {
   Viewer viewer;
   viewer.mirror = context.log();
   viewer.first = o.settings;
+  viewer.say(LogLevel::info, "settings: " + presetText(o.settings));
   if (!o.path.empty()) viewer.firstRoute = readCameraPath(o.path);
   viewer.showInterface = !o.bare;
   for (const std::string& path : o.places) viewer.open(path);

@@ -98,7 +98,7 @@ void Session::findOut() {
       viewer_.show(place->walk.centre ? "Nothing is known there: it goes round the point of before"
                                       : "Nothing is known there to go round");
   }
-  if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent);
+  if (std::exchange(place->wantsEffects, false)) place->effects = effectsOf(*place, extent, device_.kind());
   if (place->effects && !place->effects->done() && !ImGui::IsAnyMouseDown()) {
     measureNext(*place->effects, *drawn, frame_);
     rested_ = true;  // the time that this takes is no frame's

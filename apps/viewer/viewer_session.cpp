@@ -181,7 +181,7 @@ void Session::fitInterface() {
 void Session::showPanels() {
   drawer_->beginFrame();
   interface_.beginFrame();
-  PanelInput input{viewer_, window_, device_.name()};
+  PanelInput input{viewer_, window_, device_.name(), device_.kind()};
   input.sceneBudget = options_.gpuScene.budgetBytes;
   input.budget = memory_.read();
   if (OpenItem* place = viewer_.place())

@@ -13,6 +13,7 @@
 #include "shared/cli/exit_code.h"
 #include "shared/cli/folders.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
 #include "vr/show/show.h"
@@ -185,6 +186,7 @@ ExitCode run(int argc, char** argv) {
   take(o);
   const Context context(o.common);
   watchForInterrupt();
+  context.say(LogLevel::info, "settings: {}", presetText(o.vr.settings));
   FrameLog log(o.log);
   const fs::path settings = o.forget ? fs::path() : settingsFolder();
   KeptScales scales(settings.empty() ? fs::path() : settings / "scales.json", context.log());
@@ -193,6 +195,7 @@ ExitCode run(int argc, char** argv) {
   visit.walking = o.vr.walk;
   visit.eyeHeight = o.vr.eyeHeight;
   visit.governed = o.vr.governed;
+  visit.composition = o.vr.settings.composition;
   const std::unique_ptr<Window> window = o.vr.mirror ? mirrorWindow(context) : nullptr;
   visit.window = window.get();
   try {

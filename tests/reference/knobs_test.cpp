@@ -160,23 +160,41 @@ TEST_CASE("eyes share their colours, or each has its own") {
 }
 
 TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
-  double pixels = 0;
-  std::uint32_t cells = 0;
-  for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference}) {
-    const RenderSettings settings = preset(name);
-    CHECK(settings.maxCells > cells);
-    CHECK(settings.renderScale >= pixels);
-    cells = settings.maxCells;
-    pixels = settings.renderScale;
-    const RendererOptions options = optionsFor(settings, {64, 48});
-    CHECK(options.blends == std::vector{settings.blend});
-    CHECK((options.largestScale == 0) == (settings.renderScale == 1));
-    // The best of what exposure and mapping make of photographs that were exposed differently (README, Limits known).
-    CHECK(settings.exposure == Exposure::adapted);
-    CHECK(settings.colourMapping == ColourMapping::off);
-    CHECK(options.colour == ColourSupport::off);
-    CHECK(settings.lowestTier == (name == Preset::fast ? kTierBackdrop : kTierFilled));
-    CHECK(options.fill == (name != Preset::fast));
+  for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware}) {
+    double pixels = 0, vote = 0;
+    std::uint32_t cells = 0, photographs = 0;
+    int composition = -1;
+    for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference}) {
+      const RenderSettings settings = preset(name, kind);
+      // From cells by the hybrid to what is gathered alone.
+      const int gathers = settings.composition == Composition::cells    ? 0
+                          : settings.composition == Composition::hybrid ? 1
+                                                                        : 2;
+      CHECK(gathers >= composition);
+      CHECK(settings.voteScale >= vote);
+      CHECK(settings.gatherCandidates >= photographs);
+      composition = gathers;
+      vote = settings.voteScale;
+      photographs = settings.gatherCandidates;
+      CHECK(settings.maxCells > cells);
+      CHECK(settings.renderScale >= pixels);
+      cells = settings.maxCells;
+      pixels = settings.renderScale;
+      const RendererOptions options = optionsFor(settings, {64, 48});
+      CHECK(options.compositions == std::vector{settings.composition});
+      CHECK(options.blends == std::vector{settings.blend});
+      CHECK((options.largestScale == 0) == (settings.renderScale == 1));
+      // The best of what exposure and mapping make of photographs that were exposed differently (README, Limits known).
+      CHECK(settings.exposure == Exposure::adapted);
+      CHECK(settings.colourMapping == ColourMapping::off);
+      CHECK(options.colour == ColourSupport::off);
+      CHECK(settings.lowestTier == (name == Preset::fast ? kTierBackdrop : kTierFilled));
+      CHECK(options.fill == (name != Preset::fast));
+    }
+    CHECK(preset(Preset::balanced, kind).maxCells == RenderSettings{}.maxCells);
+    CHECK(preset(Preset::reference, kind).composition == Composition::gathered);
   }
-  CHECK(preset(Preset::balanced).maxCells == RenderSettings{}.maxCells);
+  CHECK(preset(Preset::fast, DeviceKind::software).composition == Composition::cells);
+  CHECK(preset(Preset::balanced, DeviceKind::software).composition == Composition::hybrid);
+  CHECK(preset(Preset::balanced, DeviceKind::hardware).composition == Composition::gathered);
 }

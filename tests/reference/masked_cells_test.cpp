@@ -70,7 +70,7 @@ TEST_CASE("what masks leave out of all photographs stays empty with every preset
   const std::size_t unfilled = holes(stage.render(view, settings));
   CHECK(unfilled > 1000);
   for (const Preset name : {Preset::balanced, Preset::reference}) {
-    settings = preset(name);
+    settings = preset(name, DeviceKind::software);
     settings.alpha = AlphaContent::tier;
     CHECK(holes(stage.render(view, settings)) == unfilled);
   }

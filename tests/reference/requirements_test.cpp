@@ -272,7 +272,8 @@ TEST_CASE("a renderer for these settings alone shows what one for all settings s
 TEST_CASE("requirements are the scene's, and every part says why") {
   SyntheticScene place = pinholes({{0, 1, 2}, {0, 3}, {0, 1, 2, 3}});
   place.scene.cells[1].mesh.tier.back() = kTierRejected;
-  RenderSettings settings = preset(Preset::balanced);
+  RenderSettings settings;
+  settings.lowestTier = kTierFilled;
   settings.colourMapping = ColourMapping::ours;
   RendererOptions options = optionsFor(settings, kExtent);
   const Requirements r = requirementsOf(place.scene, options);

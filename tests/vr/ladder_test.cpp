@@ -21,6 +21,8 @@ RenderSettings elsewhere(RenderSettings level, const RenderSettings& asked) {
   level.renderScale = asked.renderScale;
   level.blend = asked.blend;
   level.colourMapping = asked.colourMapping;
+  level.gatherCandidates = asked.gatherCandidates;
+  level.voteScale = asked.voteScale;
   return level;
 }
 
@@ -30,6 +32,8 @@ void checkFalls(const std::vector<RenderSettings>& levels) {
     REQUIRE(after.maxCells <= before.maxCells);
     REQUIRE(after.maxBackdrops <= before.maxBackdrops);
     REQUIRE(after.renderScale <= before.renderScale);
+    REQUIRE(after.gatherCandidates <= before.gatherCandidates);
+    REQUIRE(after.voteScale <= before.voteScale);
     REQUIRE(dearness(after.blend) <= dearness(before.blend));
     REQUIRE((after.colourMapping == before.colourMapping || after.colourMapping == ColourMapping::off));
     REQUIRE(!(after == before));
@@ -61,11 +65,15 @@ TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing
     asked.textureScale = 0.5;
     asked.mutedCells = {3};
     asked.lowestTier = int(upTo(3));
+    asked.composition = Composition(upTo(2));
+    asked.gatherCandidates = 1 + upTo(kMaxGatherCandidates - 1);
+    asked.voteScale = 0.1 + 0.1 * upTo(9);
     const auto levels = ladder(asked, upTo(20), upTo(20));
     REQUIRE((levels.front() == asked));
-    REQUIRE(levels.size() <= 12);
+    REQUIRE(levels.size() <= 13);
     checkFalls(levels);
     REQUIRE(levels.back().renderScale == 0.5 * asked.renderScale);
+    if (asked.composition == Composition::gathered) continue;  // which neither is of
     REQUIRE(levels.back().blend == BlendMode::dither);
     REQUIRE(levels.back().colourMapping == ColourMapping::off);
   }
@@ -82,6 +90,26 @@ TEST_CASE("ladder: of the defaults, by name") {
                        "resolution 1 → 0.85", "resolution 0.85 → 0.7", "blending blend → dither",
                        "cells 4 → 2, backdrops 4 → 2", "resolution 0.7 → 0.5", "colour mapping ours → off"});
   CHECK(levelChange(asked, asked).empty());
+}
+
+TEST_CASE("ladder: where photographs are gathered from, a coarser vote first, then fewer of them") {
+  const auto changesOf = [](Composition composition, std::size_t cells) {
+    RenderSettings asked;
+    asked.composition = composition;
+    std::vector<std::string> changes;
+    const auto levels = ladder(asked, cells, 300);
+    for (std::size_t i = 1; i < levels.size(); ++i) changes.push_back(levelChange(levels[i - 1], levels[i]));
+    return changes;
+  };
+  using Changes = std::vector<std::string>;
+  const Changes gathered{"vote 0.5 → 0.25",     "photographs 12 → 8",    "photographs 8 → 6", "photographs 6 → 4",
+                         "resolution 1 → 0.85", "resolution 0.85 → 0.7", "photographs 4 → 2", "resolution 0.7 → 0.5"};
+  CHECK(changesOf(Composition::gathered, 300) == gathered);
+  CHECK(changesOf(Composition::gathered, 0) == gathered);
+  const Changes hybrid = changesOf(Composition::hybrid, 300);
+  REQUIRE(hybrid.size() == 9);
+  CHECK(hybrid[1] == "cells 12 → 8, photographs 12 → 8");
+  CHECK(hybrid[6] == "blending blend → dither");
 }
 
 TEST_CASE("ladder: nothing that the scene or the settings do not show is left out") {

@@ -28,6 +28,7 @@ MenuModel model() {
   m.firstUnitsPerMetre = 1;
   m.eyeHeight = 1.6;
   m.governor = true;
+  m.composition = "hybrid";
   return m;
 }
 
@@ -175,6 +176,7 @@ TEST_CASE("the menu's settings are wished as they will be") {
     CHECK(menu.hand.press("smooth motion") == wish(&MenuWishes::smoothMotion, !on));
     CHECK(menu.hand.press("governor") == wish(&MenuWishes::governor, !on));
   }
+  CHECK(menu.hand.press("composition") == wish(&MenuWishes::nextComposition, true));
   CHECK(menu.hand.press("higher").eyeHeight == Approx(1.65));
   CHECK(menu.hand.press("lower").eyeHeight == Approx(1.55));
   menu.shown.eyeHeight = 2.48;
@@ -187,11 +189,13 @@ TEST_CASE("the menu has no settings that are no choice") {
   MenuModel m = model();
   m.eyeHeight.reset();
   m.governor.reset();
+  m.composition.clear();
   Opened menu(m);
   menu.page("settings page");
   CHECK_FALSE(menu.hand.has("higher"));
   CHECK_FALSE(menu.hand.has("lower"));
   CHECK_FALSE(menu.hand.has("governor"));
+  CHECK_FALSE(menu.hand.has("composition"));
   CHECK(menu.hand.has("smooth motion"));
 }
 

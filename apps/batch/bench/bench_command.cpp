@@ -122,7 +122,7 @@ ExitCode bench(const Options& options, const Context& context) {
   }
   progress.show({"measuring", total, total});
   context.print("{}", report.table.text());
-  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device.kind() == DeviceKind::software;
   context.report(
       Json{{"device", device.name()},
            {"size", {options.size.width, options.size.height}},
@@ -218,7 +218,9 @@ const Command kBenchCommand{
       addInt(app, "--views", options->views, 1, 1000, "Views to measure, along an automatic path");
       addInt(app, "--repeat", options->wanted.repeat, 1, 10'000, "Frames of each way and view");
       auto* stereo = app.add_flag("--stereo", options->wanted.stereo, "Also measure two views, 64 mm apart");
-      declarePictureSettings(app, options->wanted.settings);
+      RenderSettings defaults;  // whose cells are compared
+      defaults.lowestTier = kTierFilled;
+      declarePictureSettings(app, options->wanted.settings, defaults);
       declareGpuScene(app, options->gpuScene);
       auto* formats = app.add_flag("--formats", options->formats, "Measure formats of textures and filters");
       auto* walk = app.add_option("--walk", options->walk, "Walk along a camera path (see render), and measure memory")

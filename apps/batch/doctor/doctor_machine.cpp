@@ -54,7 +54,7 @@ void examineDevices(Findings& findings) {
       continue;
     }
     usable = true;
-    graphicsCard |= device.type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+    graphicsCard |= kindOf(device.type) == DeviceKind::hardware;
     findings.fact(fmt::format("Vulkan device: {}, driver {}", device.name, device.driver));
   }
   if (const auto disabled = Device::disabledFeatures(); !disabled.empty())

@@ -16,6 +16,7 @@
 #include "batch/files/truth.h"
 #include "io/image_file.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 
@@ -52,6 +53,7 @@ ExitCode evaluate(const Options& options, const Context& context) {
     checkNamesDiffer(views);
     for (const View& view : views) evaluationFiles(options.evaluation, view.name);
   }
+  context.say(LogLevel::info, "settings: {}", presetText(options.evaluation.settings));
   Evaluator evaluator(scene, views, options.evaluation, context);
   std::vector<ViewOutcome> outcomes;
   {

@@ -109,6 +109,7 @@ SceneRenderer::Picture Evaluator::baseline(const std::string& name, const Camera
   if (name == "paper") return render(view, paperSettings(options_.settings));
   if (name == "paperOrder") {
     RenderSettings settings = options_.settings;
+    settings.composition = Composition::cells;
     settings.order = DrawOrder::paper;
     return render(view, settings);
   }

@@ -12,6 +12,7 @@
 #include "batch/files/file_hash.h"
 #include "batch/files/poses.h"
 #include "ibr/author.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 
@@ -195,6 +196,7 @@ ExitCode leaveOneOut(const LeaveOneOutOptions& options, const BuildChoices& choi
               views.size(), photographs.images().size(), work.string(),
               options.work.empty() ? " until all are done" : "");
 
+  context.say(LogLevel::info, "settings: {}", presetText(evaluation.settings));
   LeaveOneOut run(build, options.resect, evaluation, key, work, context);
   std::vector<ViewOutcome> outcomes;
   {

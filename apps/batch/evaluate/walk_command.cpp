@@ -19,6 +19,7 @@
 #include "io/image_file.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/draw/pictures.h"
@@ -199,6 +200,7 @@ ExitCode walk(const Options& options, const Context& context) {
       options.poses.empty() ? frames(autoPath(scene, options.autoFrames, options.size.width, options.size.height))
                             : readViews(options.poses, options.size, context.log(), options.stereo);
   const std::vector<Frame> frames = framesOf(views, options.stereo, options.ipd);
+  context.say(LogLevel::info, "settings: {}", presetText(options.settings));
   Walk walk(options, scene, frames, context);
   {
     ProgressLine progress(context);

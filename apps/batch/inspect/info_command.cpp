@@ -20,6 +20,7 @@
 #include "ibr/requirements.h"
 #include "io/image_file.h"
 #include "scene/memory_demand.h"
+#include "shared/cli/presets.h"
 #include "shared/report/graph_svg.h"
 #include "shared/report/table.h"
 
@@ -272,7 +273,8 @@ ExitCode showScene(const Options& options, const Context& context) {
   if (options.explain) {
     report["stages"] = Json::array();
     context.print("\nstages that this scene needs\n");
-    const RendererOptions renderer = optionsFor(preset(Preset::balanced), {1, 1});
+    const RendererOptions renderer =
+        optionsFor(preset(Preset::balanced, deviceKindFor(context.options().device)), {1, 1});
     for (const StageReason& stage : explain(requirementsOf(scene, renderer), renderer)) {
       context.print("  {} {}: {}\n", stage.runs ? "+" : "-", stage.name, stage.why);
       report["stages"].push_back({{"stage", stage.name}, {"runs", stage.runs}, {"why", stage.why}});

@@ -16,6 +16,7 @@
 #include "shared/camera/auto_path.h"
 #include "shared/camera/up.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
@@ -107,6 +108,7 @@ ExitCode renderViews(const Options& options, const Context& context) {
   checkNamesDiffer(views);
   for (const View& view : views) pictureFile(options.output, view.name);  // before anything is written
 
+  context.say(LogLevel::info, "settings: {}", presetText(settings));
   RendererOptions wanted = optionsFor(settings, {});
   wanted.views = options.stereo ? 2 : 1;
   wanted.uncertainties = &scene;

@@ -164,7 +164,7 @@ const Command kSweepCommand{
       declareCellsOnly(app, options->sweep.cells, "Optimise these cells, by number [those that the views show]");
       declareSweepLists(app, options->lists);
       app.add_flag("--list", options->list, "Only say which settings there are");
-      RenderSettings defaults = preset(Preset::balanced);
+      RenderSettings defaults;
       defaults.maxCells = 1;
       defaults.lowestTier = kTierAgrees;
       declareSettings(app, evaluation.settings, defaults);

@@ -21,6 +21,7 @@
 #include "image/ktx2.h"
 #include "shared/camera/auto_path.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/progress.h"
 #include "shared/cli/settings.h"
 #include "shared/cli/signals.h"
@@ -151,7 +152,7 @@ std::string processorName() {
 Json aboutJson(const Options& options, const Places& places, const std::vector<TradeoffSubject>& subjects,
                const Device& device, const Context& context) {
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
-  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device.kind() == DeviceKind::software;
   Json views = Json::array();
   for (const auto& [view, truth] : subjects)
     views.push_back({{"name", view.name},
@@ -278,8 +279,8 @@ std::vector<std::string> missingKnobs(const Options& options, const Scene& scene
 ExitCode tradeoff(const Options& options, const Context& context) {
   const nlohmann::json sweep = sweepOf(options.sweep);
   const Places places = placesOf(options);
-  const TradeoffSettings settings =
-      tradeoffSettings({options.knobs, options.grid, hasPlainTextures(places.scenes[0]), places.names});
+  const TradeoffSettings settings = tradeoffSettings({deviceKindFor(context.options().device), options.knobs,
+                                                      options.grid, hasPlainTextures(places.scenes[0]), places.names});
   if (options.list) {
     for (const TradeoffSetting& setting : settings.all) context.print("{}\n", setting.name());
     return kExitOk;

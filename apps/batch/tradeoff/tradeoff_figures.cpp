@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shared/cli/settings.h"
+#include "shared/cli/presets.h"
 #include "shared/report/bars.h"
 #include "shared/report/plot.h"
 #include "shared/report/statistics.h"

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "shared/cli/settings.h"
+#include "shared/cli/presets.h"
 #include "shared/report/rank.h"
 
 namespace ibr::app {

@@ -64,7 +64,7 @@ std::uint64_t TradeoffMeasure::keyOf(const std::string& what) const {
 
 const std::vector<Image8>& TradeoffMeasure::references() {
   if (references_.empty()) {
-    const TradeoffWay reference{.settings = preset(Preset::reference)};
+    const TradeoffWay reference{.settings = preset(Preset::reference, stage_.device().kind())};
     for (const TradeoffSubject& subject : subjects_)
       references_.push_back(stage_.picture(reference, subject.view.camera));
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 
 namespace ibr::app {
@@ -16,7 +17,8 @@ struct Value {
   std::function<void(TradeoffWay&)> set;
 };
 
-enum class Around { usual, gathered, mapped, twoEyes };  // the default; gathered; colours mapped; that for two eyes
+// The default; gathered; cells; cells whose colours are mapped; those for two eyes.
+enum class Around { usual, gathered, cells, mapped, twoEyes };
 
 struct Knob {
   const char* name;
@@ -75,29 +77,29 @@ const std::vector<Knob>& knobs() {
       {"layers", "surfaces of a pixel", Around::gathered, numbers<int>(&R::gatherLayers, {1, 2})},
       {"voteScale", "sides of the vote, of the picture's", Around::gathered,
        numbers<double>(&R::voteScale, {0.125, 0.25, 0.5, 1})},
-      {"cells", "cells drawn at most", Around::usual, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
-      {"backdrops", "backdrops drawn at most", Around::usual, numbers<int>(&R::maxBackdrops, {0, 4, 12, 24, 64})},
-      {"extrapolation", "distance of cells at most, cell sizes", Around::usual,
+      {"cells", "cells drawn at most", Around::cells, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
+      {"backdrops", "backdrops drawn at most", Around::cells, numbers<int>(&R::maxBackdrops, {0, 4, 12, 24, 64})},
+      {"extrapolation", "distance of cells at most, cell sizes", Around::cells,
        numbers<double>(&R::extrapolationLimit, {0, 0.5, 1, 2, 4})},
       {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::lowestTier, {0, 1, 2, 3})},
       {"renderScale", "sides of what is drawn, of the picture's", Around::usual,
        numbers<double>(&R::renderScale, {0.5, 0.7, 1, 1.5, 2})},
-      {"blend", "how members' colours become one", Around::usual,
+      {"blend", "how members' colours become one", Around::cells,
        words<BlendMode>(&R::blend,
                         {{"blend", BlendMode::blend}, {"dither", BlendMode::dither}, {"mixed", BlendMode::mixed}})},
       {"texture", "format of textures", Around::usual, formats()},
       {"textureScale", "detail of photographs", Around::usual,
        numbers<double>(&R::textureScale, {2, 1.41, 1, 0.5, 0.25})},
       {"filter", "how photographs are sampled", Around::usual, filters()},
-      {"morph", "where vertices are seen", Around::usual,
+      {"morph", "where vertices are seen", Around::cells,
        words<Morph>(&R::morph, {{"ours", Morph::ours}, {"paper", Morph::paper}})},
-      {"order", "in which order cells are drawn", Around::usual,
+      {"order", "in which order cells are drawn", Around::cells,
        words<DrawOrder>(&R::order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}})},
-      {"align", "cells moved so that they agree", Around::usual,
+      {"align", "cells moved so that they agree", Around::cells,
        words<bool>(&R::alignCells, {{"off", false}, {"on", true}})},
       {"exposure", "as how bright photographs are shown", Around::usual,
        words<Exposure>(&R::exposure, listOf(kExposures))},
-      {"colour", "how cells' colours adapt to the main cell's", Around::usual,
+      {"colour", "how cells' colours adapt to the main cell's", Around::cells,
        words<ColourMapping>(&R::colourMapping, listOf(kColourMappings))},
       {"colourTable", "colour tables beyond what was seen", Around::mapped,
        words<ColourTable>(
@@ -120,7 +122,7 @@ class Settings {
   explicit Settings(const TradeoffWish& wish) : wish_(wish) {}
 
   TradeoffSettings all() {
-    for (const auto& [word, preset] : kPresets) add({.settings = ibr::preset(preset)}, {"preset", word});
+    for (const auto& [word, preset] : kPresets) add({.settings = ibr::preset(preset, wish_.kind)}, {"preset", word});
     for (const Knob& knob : knobs())
       if (wanted(knob)) addKnob(knob);
     if (!wish_.builds.empty()) {
@@ -156,9 +158,9 @@ class Settings {
 
   void addKnob(const Knob& knob) {
     TradeoffWay base = made_.all[kDefaultSetting].way;
-    if (knob.around == Around::gathered)
-      base.settings.composition = Composition::gathered;
-    else if (knob.around != Around::usual)
+    if (knob.around != Around::usual)
+      base.settings.composition = knob.around == Around::gathered ? Composition::gathered : Composition::cells;
+    if (knob.around == Around::mapped || knob.around == Around::twoEyes)
       base.settings.colourMapping = ColourMapping::ours;
     if (knob.around == Around::twoEyes) base.views = 2;
     for (const Value& value : knob.values) {
@@ -172,18 +174,34 @@ class Settings {
         {knob.name, knob.about, at == made_.all.end() ? kDefaultSetting : std::size_t(at - made_.all.begin())});
   }
 
+  void addCombination(const TradeoffWay& way, const std::string& name) {
+    if (std::ranges::find(made_.all, way, &TradeoffSetting::way) == made_.all.end()) add(way, {"grid", name});
+  }
+
   // What matters most for both time and picture, together.
   void addGrid() {
     for (const int cells : {2, 4, 8})
       for (const double extrapolation : {1.0, 2.0, 4.0})
         for (const double scale : {0.5, 0.7, 0.85, 1.0, 1.5}) {
           TradeoffWay way = made_.all[kDefaultSetting].way;
+          way.settings.composition = Composition::cells;
           way.settings.maxCells = way.settings.maxBackdrops = std::uint32_t(cells);
           way.settings.extrapolationLimit = extrapolation;
           way.settings.renderScale = scale;
-          if (std::ranges::find(made_.all, way, &TradeoffSetting::way) == made_.all.end())
-            add(way, {"grid", fmt::format("cells {} reach {:g} scale {:g}", cells, extrapolation, scale)});
+          addCombination(way, fmt::format("cells {} reach {:g} scale {:g}", cells, extrapolation, scale));
         }
+    for (const Composition composition : {Composition::hybrid, Composition::gathered})
+      for (const unsigned photographs : {4u, 8u, 12u})
+        for (const double vote : {0.125, 0.25, 0.5})
+          for (const double scale : {0.7, 1.0}) {
+            TradeoffWay way = made_.all[kDefaultSetting].way;
+            way.settings.composition = composition;
+            way.settings.gatherCandidates = photographs;
+            way.settings.voteScale = vote;
+            way.settings.renderScale = scale;
+            addCombination(way, fmt::format("{} photographs {} vote {:g} scale {:g}", wordOf(composition), photographs,
+                                            vote, scale));
+          }
   }
 
   const TradeoffWish& wish_;
@@ -209,6 +227,7 @@ TradeoffSettings tradeoffSettings(const TradeoffWish& wish) {
 
 nlohmann::ordered_json wayJson(const TradeoffWay& way) {
   nlohmann::ordered_json json = settingsJson(way.settings, {.filter = way.filter}), texture;
+  json.erase("preset");
   json.erase("vramBudget");
   json.erase("blocks");
   if (way.texture) texture = textureFormatName(*way.texture);

@@ -53,10 +53,11 @@ inline constexpr std::size_t kDefaultSetting = 1, kReferenceSetting = 3;  // bal
 std::vector<std::string> tradeoffKnobNames();
 
 struct TradeoffWish {
-  std::vector<std::string> knobs;   // of tradeoffKnobNames(); empty: all
-  bool grid = true;                 // also combinations
-  bool textures = true;             // textures can be had in other formats
-  std::vector<std::string> builds;  // names of further builds of the place
+  DeviceKind kind = DeviceKind::software;  // whose presets
+  std::vector<std::string> knobs;          // of tradeoffKnobNames(); empty: all
+  bool grid = true;                        // also combinations
+  bool textures = true;                    // textures can be had in other formats
+  std::vector<std::string> builds;         // names of further builds of the place
 };
 TradeoffSettings tradeoffSettings(const TradeoffWish& wish);
 

@@ -29,8 +29,10 @@ std::string placeKey(const TradeoffWay& way) {
 // What optionsFor makes of settings.
 std::string rendererKey(const TradeoffWay& way) {
   const RendererOptions options = optionsFor(way.settings, {});
-  return fmt::format("{} {} {} {} {} {} {} {}", way.views, int(options.orders[0]), int(options.blends[0]),
-                     options.dissolve, options.switchMixing, options.fill, int(options.colour), options.largestScale);
+  return fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {}", int(options.compositions[0]), options.gatherCandidates,
+                     options.gatherColours, options.gatherLayers, options.voteScale, way.views, int(options.orders[0]),
+                     int(options.blends[0]), options.dissolve, options.switchMixing, options.fill, int(options.colour),
+                     options.largestScale);
 }
 
 }  // namespace
@@ -152,7 +154,7 @@ GpuScene::Memory TradeoffStage::memory(const TradeoffWay& way) {
 
 MemoryDemand TradeoffStage::predicted(const TradeoffWay& way) const {
   std::vector<TextureFormat> formats = textureFormats(scene(way));
-  const bool software = device_.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device_.kind() == DeviceKind::software;
   for (std::size_t n = 0; n < formats.size(); ++n) {
     if (way.texture)
       formats[n] = *way.texture == TextureFormat::bc1 && !scene(way).nodes[n].maskFile.empty() ? TextureFormat::bc7

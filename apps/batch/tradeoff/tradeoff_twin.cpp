@@ -48,8 +48,8 @@ ImplementationError errorOf(const Image8& picture, const reference::Picture& twi
 
 std::vector<ImplementationError> implementationErrors(TradeoffStage& stage, const std::vector<View>& views,
                                                       const std::function<void()>& step) {
-  TradeoffWay way{.settings = preset(Preset::balanced), .filter = TextureFilter::trilinear};
-  way.settings.lowestTier = kTierBackdrop;  // the reference implementation fills no holes
+  // Cells without filled holes, which are what the reference implementation draws.
+  const TradeoffWay way{.settings = RenderSettings(), .filter = TextureFilter::trilinear};
   const std::vector<std::vector<Image8>> textures = texturesOf(stage.scene(way));
   std::vector<ImplementationError> errors;
   for (const View& view : views) {

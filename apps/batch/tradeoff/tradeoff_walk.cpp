@@ -9,7 +9,7 @@
 
 #include "batch/evaluate/union_of_views.h"
 #include "ibr/metrics.h"
-#include "shared/cli/settings.h"
+#include "shared/cli/presets.h"
 #include "shared/report/statistics.h"
 
 namespace ibr::app {

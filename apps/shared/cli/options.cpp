@@ -92,10 +92,15 @@ void declareCommonOptions(CLI::App& app, CommonOptions& options) {
   app.add_flag("-v,--verbose", options.verbose, "More messages");
 }
 
+bool wasGiven(const CLI::Option& option) {
+  if (option.count() == 0) return false;
+  return !option.get_force_callback() || option.results()[0] != option.get_default_str();
+}
+
 std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut) {
   std::vector<std::string> words;
   for (const CLI::Option* option : app.get_options()) {
-    if (option->count() == 0 || leftOut.contains(option->get_name())) continue;
+    if (!wasGiven(*option) || leftOut.contains(option->get_name())) continue;
     const bool flag = option->get_items_expected_max() == 0;
     if (!option->get_positional() && !flag) words.push_back(option->get_name());
     for (const std::string& value : option->results())
@@ -181,7 +186,7 @@ std::vector<CLI::Option*> inGroup(CLI::App& app, const std::string& group, const
 
 void refuseGiven(const std::vector<CLI::Option*>& options, const std::string& why) {
   for (const CLI::Option* option : options)
-    if (option->count() > 0) throw CLI::ValidationError(option->get_name(), why);
+    if (wasGiven(*option)) throw CLI::ValidationError(option->get_name(), why);
 }
 
 }  // namespace ibr::app

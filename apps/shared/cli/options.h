@@ -47,7 +47,11 @@ CLI::Option* addDouble(CLI::App& app, const std::string& name, double& value, do
 std::uint64_t parsedBytes(const std::string& option, const std::string& text);
 CLI::Option* addBytes(CLI::App& app, const std::string& name, std::uint64_t& value, const std::string& description);
 
-/// Options that were given, each with its values, as they would be typed; without those that `leftOut` names.
+/// Whether it was, other than as the default of an option whose callback is always called.
+bool wasGiven(const CLI::Option& option);
+
+/// Options that were given, each with its values, as they would be typed; without defaults and those that `leftOut`
+/// names.
 std::vector<std::string> givenWords(const CLI::App& app, const std::set<std::string>& leftOut = {});
 
 /// WxH, as in 1280x720.

@@ -7,6 +7,7 @@
 
 #include "base/check.h"
 #include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 
 namespace ibr::app {
 
@@ -31,34 +32,14 @@ std::vector<std::uint32_t> parsedCells(const std::string& option, const std::str
 
 }  // namespace
 
-RenderSettings presetOver(const RenderSettings& settings, Preset preset) {
-  RenderSettings chosen = ibr::preset(preset);
-  chosen.overlay = settings.overlay;
-  chosen.mutedCells = settings.mutedCells;
-  chosen.soloCells = settings.soloCells;
-  return chosen;
-}
-
-void declarePictureSettings(CLI::App& app, RenderSettings& settings, const RenderSettings& defaults) {
-  settings = defaults;
-  // Declared first, so that what is given explicitly comes later and wins.
-  app.add_option_function<std::string>(
-         "--preset",
-         [&settings](const std::string& text) {
-           for (const auto& [word, meaning] : kPresets)
-             if (word == text) {
-               settings = preset(meaning);
-               return;
-             }
-           throw CLI::ValidationError("--preset", "'" + text + "' is none of fast|balanced|accurate|reference");
-         },
-         "All settings at once, from the fastest to the most accurate; those given beside it win")
-      ->type_name("fast|balanced|accurate|reference");
+void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
+  declarePreset(app, settings, defaults);
   addChoice<Composition>(
       app, "--composition", settings.composition,
       {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
       "Morphing cells and backdrops; every pixel gathered from the photographs that saw it; or cells "
-      "where all members agree and the rest gathered");
+      "where all members agree and the rest gathered [as --preset; cells with the paper's --order or --colour, "
+      "--backdrops, --solo]");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
                           "Gather from at most N photographs a frame");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
@@ -66,7 +47,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const Rende
   addCount<std::uint32_t>(app, "--layers", settings.gatherLayers, 1, kMaxGatherLayers,
                           "A gathered pixel shows at most N surfaces behind one another");
   addDouble(app, "--vote-scale", settings.voteScale, 0.05, 1,
-            "Photographs vote for depth in an image whose sides are X of the drawn one's");
+            "Photographs vote for depth in an image whose sides are X of the drawn one's; 0.25 with balanced-software");
   addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
          "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
          "fills holes from around, unless photographs have masks");
@@ -111,7 +92,7 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const Rende
          "Along a path, colour tables of ours are made anew every N frames");
 }
 
-void declareSettings(CLI::App& app, RenderSettings& settings, const RenderSettings& defaults) {
+void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
   declarePictureSettings(app, settings, defaults);
   addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
@@ -178,6 +159,10 @@ const char* wordOf(Composition composition) {
   return composition == Composition::cells ? "cells" : composition == Composition::gathered ? "gathered" : "hybrid";
 }
 
+Composition next(Composition composition) {
+  return composition == Composition::hybrid ? Composition::cells : Composition(int(composition) + 1);
+}
+
 const char* wordOf(BlendMode blend) {
   return blend == BlendMode::blend ? "blend" : blend == BlendMode::dither ? "dither" : "mixed";
 }
@@ -207,9 +192,7 @@ void declareTextureFormat(CLI::App& app, TextureFormat& format) {
       "How textures are stored: 4 bytes a pixel as they are, or 0.5 (bc1) or 1 (bc7) in blocks [rgba8]");
 }
 
-nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene) {
-  nlohmann::ordered_json budget;  // null: no limit
-  if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
+nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
   return {{"composition", wordOf(settings.composition)},
           {"photographs", settings.gatherCandidates},
           {"colours", settings.gatherColours},
@@ -234,15 +217,22 @@ nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSce
                                                                         : "preserving"},
           {"colourSamples", settings.colourSamples},
           {"colourProxy", settings.colourProxy},
-          {"colourPeriod", settings.colourPeriod},
-          {"vramBudget", budget},
-          {"blocks", gpuScene.blocks == BlockTextures::keep     ? "keep"
-                     : gpuScene.blocks == BlockTextures::decode ? "decode"
-                                                                : "auto"},
-          {"filter", gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
-                     : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
-                     : gpuScene.filter == TextureFilter::bicubic   ? "bicubic"
-                                                                   : "auto"}};
+          {"colourPeriod", settings.colourPeriod}};
+}
+
+nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene) {
+  nlohmann::ordered_json json{{"preset", presetName(settings)}}, budget;  // null: no limit
+  json.update(optionsJson(settings));
+  if (gpuScene.budgetBytes > 0) budget = gpuScene.budgetBytes;
+  json["vramBudget"] = budget;
+  json["blocks"] = gpuScene.blocks == BlockTextures::keep     ? "keep"
+                   : gpuScene.blocks == BlockTextures::decode ? "decode"
+                                                              : "auto";
+  json["filter"] = gpuScene.filter == TextureFilter::bilinear    ? "bilinear"
+                   : gpuScene.filter == TextureFilter::trilinear ? "trilinear"
+                   : gpuScene.filter == TextureFilter::bicubic   ? "bicubic"
+                                                                 : "auto";
+  return json;
 }
 
 nlohmann::ordered_json pictureSettingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene,

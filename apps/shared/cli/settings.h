@@ -13,13 +13,14 @@
 
 namespace ibr::app {
 
-/// Declares all of them. `settings` becomes `defaults`.
-void declareSettings(CLI::App& app, RenderSettings& settings,
-                     const RenderSettings& defaults = preset(Preset::balanced));
+/// Declares all of them. `settings` becomes `defaults`; without them, when options have been read, the preset balanced
+/// of the device that --device names, which is cells where an option asks for what is theirs alone (the paper's ways,
+/// --backdrops, --solo).
+void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
 /// The same without --cells, --order and --colour, for a command that tries several of each.
 void declarePictureSettings(CLI::App& app, RenderSettings& settings,
-                            const RenderSettings& defaults = preset(Preset::balanced));
+                            const std::optional<RenderSettings>& defaults = {});
 
 /// --overlay, --mute and --solo, for programs whose pictures are looked at.
 void declareOverlays(CLI::App& app, RenderSettings& settings);
@@ -37,14 +38,6 @@ void declareGpuScene(CLI::App& app, GpuSceneOptions& options);
 /// --texture, for commands that write textures.
 void declareTextureFormat(CLI::App& app, TextureFormat& format);
 
-/// Words of --preset, from the fastest.
-inline constexpr std::array kPresets{std::pair{"fast", Preset::fast}, std::pair{"balanced", Preset::balanced},
-                                     std::pair{"accurate", Preset::accurate},
-                                     std::pair{"reference", Preset::reference}};
-
-/// A preset in the place of these settings; what is shown over the picture stays, and which cells are drawn.
-RenderSettings presetOver(const RenderSettings& settings, Preset preset);
-
 /// Words of --colour, also of reports.
 inline constexpr std::array kColourMappings{
     std::pair{"off", ColourMapping::off}, std::pair{"ours", ColourMapping::ours},
@@ -57,6 +50,8 @@ inline constexpr std::array kExposures{std::pair{"off", Exposure::off}, std::pai
 const char* wordOf(Exposure exposure);
 const char* wordOf(BlendMode blend);
 const char* wordOf(Composition composition);
+/// After the last comes the first.
+Composition next(Composition composition);
 
 /// Words of --overlay and what each shows, in the order in which a viewer goes through them.
 struct OverlayWord {
@@ -75,7 +70,10 @@ inline constexpr std::array kOverlays{
     OverlayWord{Overlay::agreement, "agreement", "how well a cell's photographs correlate there"}};
 const OverlayWord& wordOf(Overlay overlay);
 
-/// The effective settings, each under the name of its option.
+/// How pictures are drawn, each setting under the name of its option.
+nlohmann::ordered_json optionsJson(const RenderSettings& settings);
+
+/// That, "preset" (presetName) before it and how the scene is held after it: the effective settings.
 nlohmann::ordered_json settingsJson(const RenderSettings& settings, const GpuSceneOptions& gpuScene);
 
 /// These, "floor" and "floorSpacing" (FloorWish), "overlay", each null where there is none,

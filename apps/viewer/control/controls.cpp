@@ -118,8 +118,7 @@ void turnOverlays(OpenItem& place, bool back) {
 
 void turnComposition(OpenItem& place) {
   if (!place.scene) return;
-  constexpr int kCompositions = 3;
-  place.settings.composition = Composition((int(place.settings.composition) + 1) % kCompositions);
+  place.settings.composition = next(place.settings.composition);
   place.changed = true;
 }
 

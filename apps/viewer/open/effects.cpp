@@ -8,7 +8,7 @@
 #include <ranges>
 
 #include "ibr/metrics.h"
-#include "shared/cli/settings.h"
+#include "shared/cli/presets.h"
 #include "viewer/open/place_on_device.h"
 
 namespace ibr::app {
@@ -22,9 +22,10 @@ bool Effects::done() const {
   return std::ranges::all_of(lines, [](const Effect& line) { return line.measured.has_value(); });
 }
 
-Effects effectsOf(const OpenItem& place, VkExtent2D extent) {
+Effects effectsOf(const OpenItem& place, VkExtent2D extent, DeviceKind kind) {
   Effects effects{.view = cameraOf(place, extent)};
-  for (const auto& [name, preset] : kPresets) effects.lines.push_back({name, presetOver(place.settings, preset), {}});
+  for (const auto& [name, preset] : kPresets)
+    effects.lines.push_back({name, presetOver(place.settings, preset, kind), {}});
   effects.lines.push_back({kAsSet, place.settings, {}});
   for (Effect& line : effects.lines) line.settings.overlay = Overlay::none;  // of the picture itself
   return effects;

@@ -36,7 +36,7 @@ struct Effects {
 };
 
 /// Of a scene's view; nothing is measured yet.
-Effects effectsOf(const OpenItem& place, VkExtent2D extent);
+Effects effectsOf(const OpenItem& place, VkExtent2D extent, DeviceKind kind);
 
 /// Measures the next line. Waits for the device. Throws Error.
 void measureNext(Effects& effects, PlaceOnDevice& place, std::uint64_t& frame);

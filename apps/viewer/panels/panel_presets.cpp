@@ -2,7 +2,7 @@
 // Settings by name, and what each costs and shows where the view stands.
 #include <imgui.h>
 
-#include "shared/cli/settings.h"
+#include "shared/cli/presets.h"
 #include "viewer/panels/panels.h"
 
 namespace ibr::app {
@@ -11,11 +11,11 @@ namespace {
 const char* descriptionOf(Preset preset) {
   switch (preset) {
     case Preset::fast:
-      return "few cells, none far away, holes stay";
+      return "the least of a frame's time, holes stay";
     case Preset::balanced:
-      return "the default: holes filled";
+      return "the default";
     case Preset::accurate:
-      return "more cells";
+      return "all that is seen to help";
     case Preset::reference:
       return "all that there is, at any cost";
   }
@@ -48,7 +48,7 @@ void showPresets(PanelInput& input) {
   const bool known = place.effects && isOfThisView(*place.effects, place);
   for (const auto& [name, chosen] : kPresets) {
     if (ImGui::Button(name, {5.5f * ImGui::GetFontSize(), 0})) {
-      place.settings = presetOver(place.settings, chosen);
+      place.settings = presetOver(place.settings, chosen, input.deviceKind);
       settingsChanged(place);
     }
     ImGui::SameLine();

@@ -20,6 +20,7 @@ struct PanelInput {
   Viewer& viewer;
   Window& window;
   std::string device;
+  DeviceKind deviceKind;
   const FramePlan* plan = nullptr;  // of the frame before; none for harmonised models
   std::vector<MemoryClass> memory = {};
   std::uint64_t sceneBudget = 0;  // --vram-budget; 0: none

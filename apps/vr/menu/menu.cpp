@@ -78,6 +78,10 @@ void showSettings(MenuSheet& sheet, const MenuModel& model, MenuWishes& wishes) 
     if (sheet.toggle("governor", "Draw less to keep pace", row(), *model.governor)) wishes.governor = !*model.governor;
     y += kButton + kGap;
   }
+  if (!model.composition.empty()) {
+    wishes.nextComposition = sheet.button("composition", "Composition: " + model.composition, row());
+    y += kButton + kGap;
+  }
   if (model.eyeHeight) showEyes(sheet, *model.eyeHeight, wishes, y + 4);
 }
 

@@ -29,6 +29,7 @@ struct MenuModel {
   double snapDegrees = 30;          // of one turn
   std::optional<double> eyeHeight;  // m; none where the headset knows the floor
   std::optional<bool> governor;     // whether less may be drawn to keep the pace; none where that is no choice
+  std::string composition;          // a word of --composition; empty where that is no choice
   std::string line;                 // what is happening, such as frames a second
   std::optional<double> loading;    // 0 to 1, while a scene is read
 };
@@ -42,6 +43,7 @@ struct MenuWishes {
   std::optional<double> snapDegrees;
   std::optional<double> eyeHeight;  // m, 0.5 to 2.5
   std::optional<bool> governor;
+  bool nextComposition = false;
   bool recentre = false, picture = false, close = false, exit = false;
   bool operator==(const MenuWishes&) const = default;
 };
@@ -49,7 +51,7 @@ struct MenuWishes {
 /// Something that can be pointed at, in pixels. Names: "map page", "scenes page", "settings page", "picture",
 /// "recentre", "close", "exit"; "map", whose corners are (0, 0) and (1, 1) of MenuModel::Spot::at; "scene 0" and so on,
 /// "scenes up", "scenes down"; "smaller", "larger", "first scale", "turn 15", 30, 45, 90, "lower", "higher",
-/// "smooth motion", "governor".
+/// "smooth motion", "governor", "composition".
 struct MenuItem {
   std::string name;
   glm::dvec2 low{0.0}, high{0.0};

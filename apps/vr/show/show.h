@@ -62,12 +62,14 @@ class Show {
   void goBack(const std::string& why);
   void leavePlace();
   EyeFormat eyeFormat() const;
+  std::vector<RenderSettings> levelsOf(const PlaceFiles& files) const;
 
   // The menu.
   MenuModel menuModel() const;
   void obeyMenu(double seconds);
   void obeyWaitingMenu(double seconds);
   void standAnew();
+  void turnComposition();
 
   // How it goes.
   void account(const XrMoment& moment, double seconds, double processorMs);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shared/cli/folders.h"
+#include "shared/cli/settings.h"
 #include "vr/show/show.h"
 
 namespace ibr::app {
@@ -25,6 +26,7 @@ MenuModel Show::menuModel() const {
   model.snapDegrees = visit_.walking.snapTurn * 180 / std::numbers::pi;
   if (session_.spaceKind() == SpaceKind::local) model.eyeHeight = visit_.eyeHeight;
   if (options().governed) model.governor = visit_.governed;
+  if (place_->canBeGathered()) model.composition = wordOf(visit_.composition);
   model.line = trouble_.empty() ? pace_ : trouble_;
   return model;
 }
@@ -48,10 +50,20 @@ void Show::obeyMenu(double seconds) {
   if (wishes.smoothMotion) visit_.walking.smoothMotion = *wishes.smoothMotion;
   if (wishes.snapDegrees) visit_.walking.snapTurn = *wishes.snapDegrees * std::numbers::pi / 180;
   if (wishes.governor) visit_.governed = *wishes.governor;
+  if (wishes.nextComposition) turnComposition();
   if (wishes.recentre) standAnew();
   pictureAsked_ |= wishes.picture;
   visit_.leaving |= wishes.exit;
   if (wishes.close) menu_.close();
+}
+
+// Pipelines are made anew: the eyes wait a moment.
+void Show::turnComposition() {
+  visit_.composition = next(visit_.composition);
+  ring_.wait();
+  place_->setLevels(levelsOf(place_->files()));
+  changeLadder(governor_, levelsOf(place_->files()));
+  excuse(governor_);
 }
 
 // While a place is read there is a way out, and nothing else.

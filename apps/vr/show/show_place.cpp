@@ -26,10 +26,16 @@ void Show::beginLoading() {
     checkCells(options().settings, files->scene);
     GpuSceneOptions gpuScene = options().gpuScene;
     gpuScene.log = visit_.context.log();
-    const Scene& scene = files->scene;
-    const auto levels = ladder(options().settings, scene.cells.size(), scene.backdrops.size());
-    return std::make_unique<StereoPlace>(headset_.device(nullptr), files, levels, options().floor, eyes, gpuScene);
+    return std::make_unique<StereoPlace>(headset_.device(nullptr), files, levelsOf(*files), options().floor, eyes,
+                                         gpuScene);
   });
+}
+
+// All settings that a place is drawn with, what was asked for first.
+std::vector<RenderSettings> Show::levelsOf(const PlaceFiles& files) const {
+  RenderSettings asked = options().settings;
+  asked.composition = files.canBeGathered ? visit_.composition : Composition::cells;
+  return ladder(asked, files.scene.cells.size(), files.scene.backdrops.size());
 }
 
 void Show::takeLoaded() {
@@ -64,7 +70,7 @@ void Show::settle(std::unique_ptr<StereoPlace> place) {
   if (!files.level)
     say(LogLevel::warning,
         fmt::format("{}: the photographs were held in too many ways to tell where up is", files.path.string()));
-  governor_ = startGovernor(ladder(options().settings, files.scene.cells.size(), files.scene.backdrops.size()));
+  governor_ = startGovernor(levelsOf(files));
   excuse(governor_);
   pending_ = {};
   map_ = mapOf(files.walk.spots, files.walk.up);

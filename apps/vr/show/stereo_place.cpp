@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "ibr/asset.h"
+#include "ibr/requirements.h"
 #include "shared/camera/roaming.h"
 #include "shared/camera/up.h"
 
@@ -62,6 +63,7 @@ PlaceFiles readPlace(const std::filesystem::path& path, double unitsPerMetre) {
   files.bounds = sceneBounds(files.scene);
   const std::vector<Pose> poses = posesOf(files.scene);
   const std::optional<glm::dvec3> up = upOf(poses);
+  files.canBeGathered = requirementsOf(files.scene, {}).gatherable > 0;
   files.middle = centreOf(poses);
   files.level = up.has_value();
   const glm::dvec3 upwards = up.value_or(glm::dvec3(0, 1, 0));
@@ -74,13 +76,19 @@ StereoPlace::StereoPlace(Device device, std::shared_ptr<const PlaceFiles> files,
     : device_(std::move(device)),
       files_(std::move(files)),
       gpuScene_(device_, files_->scene, options),
-      rendererOptions_(optionsFor(levels, eyes)) {
-  rendererOptions_.floor |= floor;
-  setHiddenArea(eyes.hiddenArea);
+      eyes_(eyes),
+      floor_(floor) {
+  setLevels(levels);
+}
+
+void StereoPlace::setLevels(std::span<const RenderSettings> levels) {
+  rendererOptions_ = optionsFor(levels, eyes_);
+  rendererOptions_.floor |= floor_;
+  setHiddenArea(eyes_.hiddenArea);
 }
 
 void StereoPlace::setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area) {
-  rendererOptions_.hiddenArea = area;
+  eyes_.hiddenArea = rendererOptions_.hiddenArea = area;
   renderer_.reset();  // first, so that there is never memory for two
   renderer_.emplace(device_, gpuScene_, rendererOptions_);
 }

@@ -25,7 +25,8 @@ struct PlaceFiles {
   SceneBounds bounds;
   WalkPlace walk;
   glm::dvec3 middle{0};  // of the photographs
-  bool level = true;     // false: photographs were held in too many ways to tell where up is; then y is
+  bool canBeGathered = false;
+  bool level = true;  // false: photographs were held in too many ways to tell where up is; then y is
 };
 
 /// For any thread. `unitsPerMetre`: of the world. Throws Error that names the file.
@@ -48,6 +49,9 @@ class StereoPlace {
   StereoPlace& operator=(const StereoPlace&) = delete;
 
   const PlaceFiles& files() const noexcept { return *files_; }
+  bool canBeGathered() const noexcept { return files_->canBeGathered; }
+  /// As for the constructor, from now on; pipelines are made anew. The device has finished all frames.
+  void setLevels(std::span<const RenderSettings> levels);
   /// The eyes' hidden areas have changed: pipelines are made anew. The device has finished all frames.
   void setHiddenArea(const std::array<std::vector<glm::vec2>, 2>& area);
 
@@ -64,6 +68,8 @@ class StereoPlace {
   Device device_;
   std::shared_ptr<const PlaceFiles> files_;
   GpuScene gpuScene_;
+  EyeFormat eyes_;
+  bool floor_;
   RendererOptions rendererOptions_;
   std::optional<Renderer> renderer_;
   FramePlan plan_;

@@ -46,10 +46,11 @@ struct Visit {
   std::size_t current = 0;                               // of options.places
   Window* window = nullptr;                              // the mirror; null: there is none
   WalkSettings walking;
-  double eyeHeight = 1.6;             // of LOCAL, m
-  bool governed = true;               // as in VrOptions; the menu changes it
-  bool leaving = false;               // the user does, or all frames asked for were shown
-  std::optional<std::size_t> former;  // place to come back to where the current one cannot be shown
+  double eyeHeight = 1.6;                        // of LOCAL, m
+  bool governed = true;                          // as in VrOptions; the menu changes it
+  Composition composition = Composition::cells;  // likewise, of VrOptions::settings
+  bool leaving = false;                          // the user does, or all frames asked for were shown
+  std::optional<std::size_t> former;             // place to come back to where the current one cannot be shown
   std::optional<WalkState> formerWalk;
   std::optional<WalkState> walk;  // in the current place
   std::uint64_t shown = 0;        // frames of places

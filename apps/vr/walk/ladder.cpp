@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "shared/cli/settings.h"
 #include "vr/walk/governor.h"
@@ -12,13 +13,19 @@ namespace {
 
 constexpr std::array<std::uint32_t, 6> kCounts{32, 16, 12, 8, 6, 4};
 constexpr std::uint32_t kFewest = 2;
+constexpr double kCoarseVote = 0.25;  // of the picture's sides: hardly seen (libibr/docs/tradeoff.md)
 
 void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) {
   if (!(level == levels.back())) levels.push_back(level);
 }
 
-// At most `count`, where more than that would be drawn.
+// At most `count` of what is drawn, where there would be more.
 RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t backdrops) {
+  if (settings.composition != Composition::cells) {
+    const std::size_t photographs = std::exchange(backdrops, 0);
+    if (count < std::min<std::size_t>(settings.gatherCandidates, photographs)) settings.gatherCandidates = count;
+  }
+  if (settings.composition == Composition::gathered) cells = 0;
   if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
   if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
   return settings;
@@ -27,23 +34,30 @@ RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t c
 }  // namespace
 
 std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t backdrops) {
-  if (asked.lowestTier < kTierBackdrop || !asked.soloCells.empty()) backdrops = 0;  // none is drawn
+  const bool ofCells = asked.composition == Composition::cells;
+  if (ofCells && (asked.lowestTier < kTierBackdrop || !asked.soloCells.empty())) backdrops = 0;  // none is drawn
   std::vector<RenderSettings> levels{asked};
   const auto scaledBy = [&](double share) {
     RenderSettings level = levels.back();
     level.renderScale = share * asked.renderScale;
     addLevel(levels, level);
   };
+  if (!ofCells && asked.voteScale > kCoarseVote) {
+    RenderSettings coarse = asked;
+    coarse.voteScale = kCoarseVote;
+    addLevel(levels, coarse);
+  }
   for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, backdrops));
   scaledBy(0.85);
   scaledBy(0.7);
+  const bool gathered = asked.composition == Composition::gathered;
   RenderSettings dithered = levels.back();
-  dithered.blend = BlendMode::dither;
+  if (!gathered) dithered.blend = BlendMode::dither;
   addLevel(levels, dithered);
   addLevel(levels, fewer(levels.back(), kFewest, cells, backdrops));
   scaledBy(0.5);
   RenderSettings unmapped = levels.back();
-  unmapped.colourMapping = ColourMapping::off;
+  if (!gathered) unmapped.colourMapping = ColourMapping::off;
   addLevel(levels, unmapped);
   return levels;
 }
@@ -55,6 +69,9 @@ std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
   };
   add(from.maxCells != to.maxCells, "cells", from.maxCells, to.maxCells);
   add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
+  add(from.gatherCandidates != to.gatherCandidates, "photographs", from.gatherCandidates, to.gatherCandidates);
+  add(from.voteScale != to.voteScale, "vote", fmt::format("{:.3g}", from.voteScale),
+      fmt::format("{:.3g}", to.voteScale));
   add(from.renderScale != to.renderScale, "resolution", fmt::format("{:.3g}", from.renderScale),
       fmt::format("{:.3g}", to.renderScale));
   add(from.blend != to.blend, "blending", wordOf(from.blend), wordOf(to.blend));

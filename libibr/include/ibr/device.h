@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,15 @@ struct DeviceHandles {
   const std::atomic<std::uint64_t>* validationMessages = nullptr;  // counted by the caller's messenger, if any
 };
 
+/// What a device computes with; presets differ by it.
+enum class DeviceKind : std::uint8_t {
+  software,  // the processor: VK_PHYSICAL_DEVICE_TYPE_CPU
+  hardware,  // all other types
+};
+constexpr DeviceKind kindOf(VkPhysicalDeviceType type) noexcept {
+  return type == VK_PHYSICAL_DEVICE_TYPE_CPU ? DeviceKind::software : DeviceKind::hardware;
+}
+
 /// A physical device as `ibr device` lists it.
 struct DeviceDescription {
   std::string name, driver;
@@ -95,6 +105,8 @@ class Device {
 
   static DeviceRequirements requirements();
   static std::vector<DeviceDescription> list();
+  /// The one of `list` that `create` takes if DeviceOptions::device is `wish`; none where `create` would throw.
+  static std::optional<DeviceDescription> preferred(const std::string& wish = {});
 
   /// Names of what libibr makes use of where the device has it; and those of a list as DeviceOptions::disabledFeatures
   /// has it. Throws Error{invalidInput} for a name that is none.
@@ -123,6 +135,7 @@ class Device {
   bool countsTogether64Bits() const noexcept;
   /// Whether one pass may draw several views: the feature multiview, which not every device does right.
   bool drawsViewsTogether() const noexcept;
+  DeviceKind kind() const noexcept;
   std::string name() const;  // as a person would cite it: device and driver version
 
   /// Whether a call has found the device lost, or its owner has said so by `lose` (who submits what libibr recorded

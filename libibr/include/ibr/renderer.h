@@ -203,10 +203,10 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Settings by name, from the fastest to the most accurate. `balanced` is the default of the programs; all but `fast`
-/// fill.
+/// Settings by name, from the fastest to the most accurate; all but `fast` fill. What a device of the kind draws in
+/// little time differs, so that the settings do. `balanced` is the default of the programs.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
-RenderSettings preset(Preset preset);
+RenderSettings preset(Preset preset, DeviceKind kind);
 
 /// What planning needs to know of a cell's mesh, computed once.
 struct CellBounds {

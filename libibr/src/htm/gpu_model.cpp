@@ -124,7 +124,7 @@ HtmPicture preparedHtmPicture(const HtmModel& model, std::size_t camera, HtmPict
 GpuHtmModel::State::State(Device& device, const HtmModel& model, const HtmPictureSource& source,
                           const GpuHtmModelOptions& options)
     : device_(&device), depthMaps_(device) {
-  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device.kind() == DeviceKind::software;
   photographSampler = makeSampler(
       device, VK_FILTER_LINEAR,
       options.trilinear.value_or(!software) ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST);

@@ -112,7 +112,8 @@ TEST_CASE("build finds the model, says which, and reports") {
     scene.cells.clear();
     saveScene(scene, folder / "scene");
     if (!test::deviceIsThere()) return;
-    const auto eval = runProgram({"eval", folder / "scene", "--truth", set.photographs.string(), "--json", "-"});
+    const auto eval = runProgram(
+        {"eval", folder / "scene", "--truth", set.photographs.string(), "--composition", "cells", "--json", "-"});
     INFO(eval.err);
     REQUIRE(eval.code == 0);
     const auto viewsReport = nlohmann::json::parse(eval.out);

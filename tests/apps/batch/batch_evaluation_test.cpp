@@ -172,8 +172,9 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
   if (!test::deviceIsThere()) return;
   test::TemporaryFolder folder;
   const auto evaluate = [&](const fs::path& truth) {
-    const auto outcome = runProgram({"eval", test::tinyScene(), "--truth", truth, "--baselines", "--fit-gain", "-o",
-                                     folder / "out", "--json", folder / "report.json"});
+    const auto outcome =
+        runProgram({"eval", test::tinyScene(), "--truth", truth, "--composition", "cells", "--baselines", "--fit-gain",
+                    "-o", folder / "out", "--json", folder / "report.json"});
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK_THAT(outcome.out, Contains("unstructured lumigraph") && Contains("PSNR gain"));

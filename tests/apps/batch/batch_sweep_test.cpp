@@ -131,8 +131,8 @@ TEST_CASE("ibr sweep measures each setting as ibr optimise and ibr eval do") {
 
   SECTION("the figures are those of the commands that do it one by one") {
     const auto scoresOf = [&](const fs::path& scene) {
-      const Outcome eval =
-          runProgram({"eval", scene, "--truth", tinySet().truth, "--cells", "1", "--tiers", "0", "-q", "--json", "-"});
+      const Outcome eval = runProgram({"eval", scene, "--truth", tinySet().truth, "--composition", "cells", "--cells",
+                                       "1", "--tiers", "0", "-q", "--json", "-"});
       REQUIRE(eval.code == 0);
       return Json::parse(eval.out).at("mean");
     };

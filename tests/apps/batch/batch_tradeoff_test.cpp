@@ -90,7 +90,7 @@ TEST_CASE("ibr tradeoff measures what ibr eval does, and goes on where it was") 
                        !Contains("<script") && !Contains("src=\"http") && !Contains("href="));
   for (const char* figure : {"pareto.svg", "knobs.svg", "memory.svg", "passes.svg", "histogram.svg"})
     CHECK_THAT(readTextFile(out / figure), Contains("</svg>"));
-  CHECK_THAT(readTextFile(out / "tradeoff.csv"), Contains("\"preset balanced\",\"blend\",\"blend\","));
+  CHECK_THAT(readTextFile(out / "tradeoff.csv"), Contains("\"preset balanced\",\"tiers\",\"3\","));
 
   const Outcome more = runProgram(tradeoffOfTiny(out));
   CHECK_THAT(more.err, Contains("measured before"));
@@ -135,7 +135,7 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
   // On a busy machine the signal may come after the end; then once more.
   for (int attempt = 0; attempt < 10 && stopped.code != 130; ++attempt) {
     fs::remove_all(out);
-    stopped = runProgram(line, {.interruptWhen = [&](const std::string&) { return linesKept() >= 12; }});
+    stopped = runProgram(line, {.interruptWhen = [&](const std::string&) { return linesKept() >= 13; }});
   }
   INFO(stopped.err);
   REQUIRE(stopped.code == 130);
@@ -149,7 +149,7 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
     for (std::string each; std::getline(lines, each);) count += each.find(what) != std::string::npos;
     return count;
   };
-  CHECK(linesWith("\"prediction\"") == 10);  // settings: pictures come first
+  CHECK(linesWith("\"prediction\"") == 11);  // settings: pictures come first
   CHECK(linesWith("\"times\"") >= 2);        // rounds
   const Outcome resumed = runProgram(line);
   INFO(resumed.err);

@@ -5,6 +5,7 @@
 
 #include "batch/tradeoff/tradeoff_gates.h"
 #include "batch/tradeoff/tradeoff_histogram.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 
 using namespace ibr;
@@ -113,7 +114,7 @@ TEST_CASE("settings: presets first, no way twice, knobs turned one at a time") {
   const TradeoffSettings settings = tradeoffSettings({});
   for (std::size_t p = 0; p < kPresets.size(); ++p) {
     CHECK(settings.all[p].name() == std::string("preset ") + kPresets[p].first);
-    CHECK((settings.all[p].way.settings == preset(kPresets[p].second)));
+    CHECK((settings.all[p].way.settings == preset(kPresets[p].second, DeviceKind::software)));
   }
   CHECK(settings.knobs.size() == tradeoffKnobNames().size());
   for (std::size_t i = 0; i < settings.all.size(); ++i)
@@ -132,10 +133,11 @@ TEST_CASE("settings: presets first, no way twice, knobs turned one at a time") {
     }
     CHECK(values >= 2);
   }
-  CHECK(*settings.all[kDefaultSetting].valueOf("cells") == "12");
+  CHECK(*settings.all[kDefaultSetting].valueOf("composition") == "hybrid");
+  CHECK(*settings.all[kDefaultSetting].valueOf("tiers") == "3");
 
   const TradeoffSettings few = tradeoffSettings({.knobs = {"blend"}, .grid = false, .builds = {"coarse"}});
-  CHECK(few.all.size() == 4 + 2 + 1);
+  CHECK(few.all.size() == 4 + 3 + 1);
   CHECK(few.all.back().name() == "build coarse");
   CHECK(few.all.back().way.build == 1);
 }

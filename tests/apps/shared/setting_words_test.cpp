@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include "shared/cli/htm_view_settings.h"
+#include "shared/cli/options.h"
+#include "shared/cli/presets.h"
 #include "shared/cli/settings.h"
 
 using namespace ibr;
@@ -33,7 +35,7 @@ TEST_CASE("a scene's settings come back from their words") {
   gpuScene.budgetBytes = 123456789;
   gpuScene.blocks = BlockTextures::decode;
   gpuScene.filter = TextureFilter::bicubic;
-  RenderSettings settings = preset(Preset::reference);
+  RenderSettings settings = preset(Preset::reference, DeviceKind::software);
   settings.lowestTier = 1;
   settings.morph = Morph::paper;
   settings.alignCells = true;
@@ -77,16 +79,43 @@ TEST_CASE("a scene's settings come back from their words") {
   }
 }
 
-TEST_CASE("settings start as the preset balanced or as a command's own defaults, and options win") {
-  RenderSettings settings = preset(Preset::reference);
+TEST_CASE("settings start as the device's preset balanced or as a command's own defaults, and options win") {
+  const DeviceKind here = deviceKindFor("");
+  RenderSettings settings = preset(Preset::reference, here);
   CLI::App plain;
   declareSettings(plain, settings);
+  declareOverlays(plain, settings);
   parse(plain, {});
-  CHECK((settings == preset(Preset::balanced)));
-  CHECK(settings.lowestTier == kTierFilled);
+  CHECK((settings == preset(Preset::balanced, here)));
+  CHECK(givenWords(plain).empty());
   parse(plain, {"--tiers", "2", "--preset", "accurate"});
   CHECK(settings.lowestTier == kTierBackdrop);
-  CHECK(settings.maxCells == preset(Preset::accurate).maxCells);
+  CHECK(settings.maxCells == preset(Preset::accurate, here).maxCells);
+  CHECK(givenWords(plain) == std::vector<std::string>{"--preset", "accurate", "--tiers", "2"});
+  // A kind that is named is taken on any device.
+  for (const auto& [word, kind] : {std::pair{"-software", DeviceKind::software}, {"-hardware", DeviceKind::hardware}})
+    for (const auto& [name, chosen] : kPresets) {
+      parse(plain, {"--preset", std::string(name) + word});
+      CHECK((settings == preset(chosen, kind)));
+      CHECK(presetName(chosen, kind) == name + std::string(chosen == Preset::reference ? "" : word));
+    }
+  for (const char* none : {"best", "fast-", "-software", "balanced-gpu"})
+    CHECK_THROWS_AS(parse(plain, {"--preset", none}), CLI::ValidationError);
+
+  // What is the cells' alone is meant of cells, unless a composition is named.
+  using Words = std::vector<std::string>;
+  for (const Words& words : {Words{"--order", "paper"},
+                             {"--colour", "paper-redraw"},
+                             {"--backdrops", "0"},
+                             {"--solo", "3"},
+                             {"--preset", "accurate-hardware", "--colour", "paper"}}) {
+    parse(plain, words);
+    CHECK(settings.composition == Composition::cells);
+  }
+  parse(plain, {"--composition", "hybrid", "--backdrops", "0"});
+  CHECK(settings.composition == Composition::hybrid);
+  parse(plain, {"--preset", "balanced-hardware", "--order", "ours"});
+  CHECK(settings.composition == Composition::gathered);
 
   RenderSettings defaults;
   defaults.maxCells = 3;
@@ -94,6 +123,21 @@ TEST_CASE("settings start as the preset balanced or as a command's own defaults,
   declareSettings(own, settings, defaults);
   parse(own, {});
   CHECK((settings == defaults));
+}
+
+TEST_CASE("settings are told by the preset that is nearest, and what differs") {
+  for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware})
+    for (const auto& [word, chosen] : kPresets) {
+      RenderSettings settings = preset(chosen, kind);
+      const std::string name = presetName(chosen, kind);
+      CHECK(presetName(settings) == name);
+      CHECK(presetText(settings) == name);
+      CHECK(settingsJson(settings, {}).at("preset") == name);
+      settings.textureScale = 0.5;
+      settings.blend = BlendMode::dither;
+      CHECK(presetName(settings) == name);
+      CHECK(presetText(settings) == name + ", but for --blend dither --texture-scale 0.5");
+    }
 }
 
 TEST_CASE("overlays and chosen cells come back from their words") {

@@ -378,12 +378,13 @@ TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays 
   const auto lowestTier = [&](const RenderSettings& settings) {
     return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.lowestTier;
   };
-  const RenderSettings balanced = preset(Preset::balanced);
+  const RenderSettings balanced = preset(Preset::balanced, DeviceKind::software);
   CHECK(lowestTier(balanced) == kTierFilled);
   const FramePlan filled = planOf(scene, cameraAt({0.1, 0, 0.1}), balanced);
   scene.nodes.back().maskFile = "mask.png";
   for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference})
-    CHECK(lowestTier(preset(name)) == kTierBackdrop);
+    for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware})
+      CHECK(lowestTier(preset(name, kind)) == kTierBackdrop);
   CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).backdrops.size() == filled.backdrops.size());
   RenderSettings few;
   few.lowestTier = kTierAgrees;

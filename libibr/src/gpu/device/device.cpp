@@ -137,6 +137,16 @@ std::vector<DeviceDescription> Device::list() {
   }
 }
 
+std::optional<DeviceDescription> Device::preferred(const std::string& wish) {
+  const std::vector<DeviceDescription> descriptions = list();
+  try {
+    return descriptions[choose(descriptions, wish)];
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::unsupported) return std::nullopt;
+    throw;
+  }
+}
+
 Device::Device(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Device::Device(Device&&) noexcept = default;
 Device& Device::operator=(Device&&) noexcept = default;
@@ -180,6 +190,9 @@ bool Device::countsTogether64Bits() const noexcept {
 }
 bool Device::drawsViewsTogether() const noexcept {
   return state_->features.vulkan11.multiview;
+}
+DeviceKind Device::kind() const noexcept {
+  return kindOf(state_->properties.deviceType);
 }
 std::string Device::name() const {
   return state_->name;

@@ -13,7 +13,7 @@ constexpr std::uint32_t kSetsPerPool = 256;
 constexpr std::size_t kMostSets = 4096;  // beyond this, those of finished frames are used again
 
 VkSamplerMipmapMode mipmapMode(const Device& device, TextureFilter filter) {
-  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device.kind() == DeviceKind::software;
   const bool nearest = filter == TextureFilter::bilinear || (filter == TextureFilter::automatic && software);
   return nearest ? VK_SAMPLER_MIPMAP_MODE_NEAREST : VK_SAMPLER_MIPMAP_MODE_LINEAR;
 }

@@ -71,7 +71,7 @@ void decodeBlocks(const Device& device, const GpuSceneOptions& options, std::uin
   std::vector<PageClass> decoded = classes;
   for (PageClass& pageClass : decoded) pageClass.format = TextureFormat::rgba8;
   const std::uint64_t before = totalBytes(classes), after = totalBytes(decoded);
-  const bool software = device.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool software = device.kind() == DeviceKind::software;
   const bool budgeted = options.budgetBytes > 0;
   const bool fits = after <= largestHeap(device) / 2 && (!budgeted || after + meshBytes <= options.budgetBytes);
   // A software device takes so long for BC7 that fewer photographs at a time are the lesser evil.

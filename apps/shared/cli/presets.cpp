@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/cli/presets.h"
+
+#include <fmt/ranges.h>
+
+#include "shared/cli/setting_words.h"
+#include "shared/cli/settings.h"
+
+namespace ibr::app {
+namespace {
+
+constexpr std::array kDeviceKinds{std::pair{"software", DeviceKind::software},
+                                  std::pair{"hardware", DeviceKind::hardware}};
+
+// "" where it was not given, or the app has it not.
+std::string valueOf(const CLI::App& app, const char* option) {
+  const CLI::Option* found = app.get_option_no_throw(option);
+  return found && found->count() > 0 ? found->results().back() : std::string();
+}
+
+bool asksForCells(const CLI::App& app) {
+  return valueOf(app, "--order") == "paper" || valueOf(app, "--colour").starts_with("paper") ||
+         !valueOf(app, "--backdrops").empty() || !valueOf(app, "--solo").empty();
+}
+
+// A word of --preset: with the kind of a device, or without.
+RenderSettings presetNamed(const std::string& text, const CLI::App& app) {
+  for (const auto& [word, meaning] : kPresets) {
+    if (word == text) return preset(meaning, deviceKindFor(valueOf(app, "--device")));
+    for (const auto& [kindWord, kind] : kDeviceKinds)
+      if (text == std::string(word) + '-' + kindWord) return preset(meaning, kind);
+  }
+  throw CLI::ValidationError("--preset", "'" + text +
+                                             "' is none of fast|balanced|accurate|reference, nor one of these with "
+                                             "-software or -hardware");
+}
+
+// The preset that is nearest, and the options in which it differs.
+struct NearestPreset {
+  std::string name, but;
+  std::size_t differences = 0;
+};
+
+NearestPreset nearestPreset(const RenderSettings& settings) {
+  const nlohmann::ordered_json ours = optionsJson(settings);
+  std::optional<NearestPreset> nearest;
+  for (const Preset chosen : {Preset::balanced, Preset::fast, Preset::accurate, Preset::reference})
+    for (const auto& [word, kind] : kDeviceKinds) {
+      const nlohmann::ordered_json theirs = optionsJson(preset(chosen, kind));
+      nlohmann::ordered_json but;
+      for (const auto& [name, value] : ours.items())
+        if (value != theirs[name]) but[name] = value;
+      if (!nearest || but.size() < nearest->differences)
+        nearest = {presetName(chosen, kind), fmt::format("{}", fmt::join(settingWords(but), " ")), but.size()};
+    }
+  return *nearest;
+}
+
+}  // namespace
+
+void declarePreset(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
+  settings = defaults.value_or(preset(Preset::balanced, DeviceKind::hardware));  // for what the help tells
+  // Declared first, so that what is given explicitly comes later and wins.
+  CLI::Option* option =
+      app.add_option_function<std::string>(
+             "--preset",
+             [&app, &settings](const std::string& text) {
+               // A command that is not the one, and help, need no device.
+               if (!app.parsed() || app.get_help_ptr()->count() > 0) return;
+               settings = presetNamed(text, app);
+               if (asksForCells(app)) settings.composition = Composition::cells;
+             },
+             "All settings at once, from the fastest to the most accurate; those given beside it win. What each is "
+             "differs by the device; balanced-software or balanced-hardware is the same on all [balanced]")
+          ->type_name("fast|balanced|accurate|reference");
+  if (!defaults) option->default_str("balanced")->force_callback();
+}
+
+DeviceKind deviceKindFor(const std::string& wish) {
+  const std::optional<DeviceDescription> device = Device::preferred(wish);
+  return device ? kindOf(device->type) : DeviceKind::software;
+}
+
+std::string presetName(Preset preset, DeviceKind kind) {
+  if (ibr::preset(preset, DeviceKind::software) == ibr::preset(preset, DeviceKind::hardware))
+    return kPresets[std::size_t(preset)].first;
+  return fmt::format("{}-{}", kPresets[std::size_t(preset)].first, kDeviceKinds[std::size_t(kind)].first);
+}
+
+std::string presetName(const RenderSettings& settings) {
+  return nearestPreset(settings).name;
+}
+
+std::string presetText(const RenderSettings& settings) {
+  const NearestPreset nearest = nearestPreset(settings);
+  return nearest.but.empty() ? nearest.name : nearest.name + ", but for " + nearest.but;
+}
+
+RenderSettings presetOver(const RenderSettings& settings, Preset preset, DeviceKind kind) {
+  RenderSettings chosen = ibr::preset(preset, kind);
+  chosen.overlay = settings.overlay;
+  chosen.mutedCells = settings.mutedCells;
+  chosen.soloCells = settings.soloCells;
+  return chosen;
+}
+
+}  // namespace ibr::app
