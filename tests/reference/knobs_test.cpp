@@ -166,7 +166,6 @@ TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
     int composition = -1;
     for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference}) {
       const RenderSettings settings = preset(name, kind);
-      // From cells by the hybrid to what is gathered alone.
       const int gathers = settings.composition == Composition::cells    ? 0
                           : settings.composition == Composition::hybrid ? 1
                                                                         : 2;
@@ -192,9 +191,9 @@ TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
       CHECK(options.fill == (name != Preset::fast));
     }
     CHECK(preset(Preset::balanced, kind).maxCells == RenderSettings{}.maxCells);
-    CHECK(preset(Preset::reference, kind).composition == Composition::gathered);
+    CHECK(preset(Preset::reference, kind).composition == Composition::hybrid);
   }
   CHECK(preset(Preset::fast, DeviceKind::software).composition == Composition::cells);
   CHECK(preset(Preset::balanced, DeviceKind::software).composition == Composition::hybrid);
-  CHECK(preset(Preset::balanced, DeviceKind::hardware).composition == Composition::gathered);
+  CHECK(preset(Preset::fast, DeviceKind::hardware).composition == Composition::hybrid);
 }

@@ -108,7 +108,7 @@ TEST_CASE("ladder: where photographs are gathered from, a coarser vote first, th
   CHECK(changesOf(Composition::gathered, 0) == gathered);
   const Changes hybrid = changesOf(Composition::hybrid, 300);
   REQUIRE(hybrid.size() == 9);
-  CHECK(hybrid[1] == "cells 12 → 8, photographs 12 → 8");
+  CHECK(hybrid[1] == "photographs 12 → 8");
   CHECK(hybrid[6] == "blending blend → dither");
 }
 

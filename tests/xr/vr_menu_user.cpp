@@ -15,6 +15,7 @@ glm::dvec2 placeOf(const std::string& name, glm::dvec2 part, std::size_t scenes)
     app::MenuPanel panel(kPanelWidth, kPanelHeight);
     app::MenuModel model{.scenes = std::vector<std::string>(scenes, "a"), .scene = 0, .eyeHeight = 1.6};
     model.governor = true;
+    model.composition = "hybrid";
     std::optional<glm::dvec2> found;
     const auto find = [&](const std::string& what, glm::dvec2 in) {
       found.reset();

@@ -25,7 +25,7 @@ RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t c
     const std::size_t photographs = std::exchange(backdrops, 0);
     if (count < std::min<std::size_t>(settings.gatherCandidates, photographs)) settings.gatherCandidates = count;
   }
-  if (settings.composition == Composition::gathered) cells = 0;
+  if (settings.composition != Composition::cells) cells = 0;  // the hybrid has few
   if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
   if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
   return settings;

@@ -144,7 +144,7 @@ inline constexpr std::uint32_t kMaxGatherLayers = 2;
 ///                                                             by inverse squared distance
 ///   maxCells, extrapolationLimit, fadeShare,
 ///   switchSeconds, morph, blend, alignCells,
-///   mutedCells, soloCells, colour…, shareEyeColours  yes      no                             of its cells
+///   mutedCells, soloCells, colour…, shareEyeColours  yes      no                             of its cells, 2 at most
 ///   maxBackdrops                                     yes      no                             no
 ///   overlay                                          yes      the cells are drawn            the cells are drawn
 ///   order paper; colourMapping paper, paperRedraw    yes      refused                        refused

@@ -115,7 +115,7 @@ TEST_CASE("settings start as the device's preset balanced or as a command's own 
   parse(plain, {"--composition", "hybrid", "--backdrops", "0"});
   CHECK(settings.composition == Composition::hybrid);
   parse(plain, {"--preset", "balanced-hardware", "--order", "ours"});
-  CHECK(settings.composition == Composition::gathered);
+  CHECK(settings.composition == Composition::hybrid);
 
   RenderSettings defaults;
   defaults.maxCells = 3;

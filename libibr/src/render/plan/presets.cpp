@@ -4,30 +4,29 @@
 
 namespace ibr {
 
-// Chosen from the measured front of time and error over scenes of several kinds (libibr/docs/tradeoff.md). Fewer cells
-// cost less of the picture than a smaller picture does; more backdrops, or a larger picture, show no more; filling
-// holes wins most where there are any, so that only `fast` does without. No colour mapping: where gains are known it
-// loses, where they are not it hardly wins. A software device gathers whole pictures from `accurate` on, since they
-// take two to three times as long as cells do; a vote of a quarter of the sides loses .04 dB at most. The numbers of
-// cells and backdrops are for scenes that cannot be gathered.
+// Chosen from the measured front of time and error over scenes of several kinds (libibr/docs/tradeoff.md). The hybrid
+// wins over cells and over gathered pictures in most of them; a vote of a quarter of the sides loses .04 dB at most.
+// Where cells are drawn alone fewer of them cost less of the picture than a smaller picture does; more backdrops, or a
+// larger picture, show no more. Filling holes wins most where there are any, so that only `fast` does without. No
+// colour mapping: where gains are known it loses, where they are not it hardly wins. All numbers of cells and backdrops
+// but those of `fast` are for scenes that cannot be gathered.
 RenderSettings preset(Preset preset, DeviceKind kind) {
+  constexpr double kCoarseVote = 0.25;
   const bool software = kind == DeviceKind::software;
   RenderSettings s;
+  s.composition = Composition::hybrid;
   s.lowestTier = kTierFilled;
-  s.composition = Composition::gathered;
   switch (preset) {
     case Preset::fast:
-      s.composition = software ? Composition::cells : Composition::hybrid;
-      s.voteScale = 0.25;
+      if (software) s.composition = Composition::cells;
+      s.voteScale = kCoarseVote;
       s.lowestTier = kTierBackdrop;
       s.maxCells = 2;
       s.maxBackdrops = 4;
       s.extrapolationLimit = 1;
       break;
     case Preset::balanced:
-      if (!software) break;
-      s.composition = Composition::hybrid;
-      s.voteScale = 0.25;
+      if (software) s.voteScale = kCoarseVote;
       break;
     case Preset::accurate:
       if (!software) s.voteScale = 1;
