@@ -99,10 +99,11 @@ TEST_CASE("cells are muted and shown alone by keys in the list of them") {
                                "Down"});  // the place, pages in two rows, into the list, the cell
     Image8 pixels;
     const json report =
-        whileViewing({tinyScene(), "--size", "640x480", "--screenshot", folder / shot}, [&](const std::string& window) {
-          pressAll(keys);
-          pixels = settledPixels(window);
-        });
+        whileViewing({tinyScene(), "--composition", "cells", "--size", "640x480", "--screenshot", folder / shot},
+                     [&](const std::string& window) {
+                       pressAll(keys);
+                       pixels = settledPixels(window);
+                     });
     CHECK(sameBesidePanel(pixels, readImage(folder / shot)));
     return report["places"][0]["settings"];
   };
