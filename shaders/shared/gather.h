@@ -3,8 +3,8 @@
 //
 //   layers   the mesh of every candidate photograph is drawn into a tile of an atlas: ρ, trust, consensus
 //   vote     hypotheses of a pixel support each other. Each is present as a surface by its share of the largest
-//            support, times 1 − kernel / .25 for each of more support; from front to back it shows presence · opacity of what
-//            those before it leave. The two that show most are the pixel's surfaces
+//            support, times 1 − kernel / .25, at least 0, for each of more support; from front to back it shows
+//            presence · opacity of what those before it leave. The two that show most are the pixel's surfaces
 //   gather   a surface's colour is the mean of the N photographs that see it best
 //
 // All lengths are in units of b, the median spacing of the capture sites; ρ is 1 / length.

@@ -107,6 +107,10 @@ TEST_CASE("a device is chosen by index, by part of its name, by option before en
   for (char& c : upper) c = char(std::toupper(static_cast<unsigned char>(c)));
   const Environment wrong("IBR_DEVICE", "no such device");
   CHECK(Device::create({.device = name}).properties().deviceName == name);
+  REQUIRE(Device::preferred(name));
+  CHECK(Device::preferred(name)->name == name);
+  CHECK(kindOf(Device::preferred(name)->type) == testDevice().kind());
+  CHECK_FALSE(Device::preferred());  // as IBR_DEVICE has it
   CHECK(Device::create({.device = std::to_string(index)}).properties().deviceName == name);
   CHECK_THAT(Device::create({.device = upper}).name(), Contains(name.substr(0, 4)));
   const Environment right("IBR_DEVICE", name);

@@ -136,7 +136,8 @@ TradeoffFigure tornado(const TradeoffReport& report) {
   return {
       "knobs.svg",
       "One knob at a time, from the default; photographs, colours, layers and voteScale from the default gathered; "
-      "those of colours from the default with colour mapping, eyeColours from that with two views. Left: time, in "
+      "those of cells from the default as cells, those of colours from that with colour mapping, eyeColours with two "
+      "views besides. Left: time, in "
       "that of the default. Right: error, less that of the default: marks left of the line are better.",
       tornadoSvg("What each knob costs and gives",
                  {{"time of a frame, in the default's", 1, true}, {fmt::format("change of {}", errorName(report)), 0}},

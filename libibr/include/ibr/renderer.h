@@ -144,9 +144,9 @@ inline constexpr std::uint32_t kMaxGatherLayers = 2;
 ///                                                             by inverse squared distance
 ///   maxCells, extrapolationLimit, fadeShare,
 ///   switchSeconds, morph, blend, alignCells,
-///   mutedCells, soloCells, colour…, shareEyeColours  yes      no                             of its cells, 2 at most
+///   mutedCells, colour…, shareEyeColours             yes      no                             of its cells, 2 at most
 ///   maxBackdrops                                     yes      no                             no
-///   overlay                                          yes      the cells are drawn            the cells are drawn
+///   overlay, soloCells                               yes      the cells are drawn            the cells are drawn
 ///   order paper; colourMapping paper, paperRedraw    yes      refused                        refused
 ///
 /// Refused: planFrame throws Error{invalidInput} that names the field. A scene whose photographs have no evidence of

@@ -498,6 +498,39 @@ TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequen
   }
 }
 
+TEST_CASE("the hybrid draws two cells; chosen cells are drawn without a gather") {
+  Scene scene = stackedGrid();
+  for (const std::uint32_t n : {0u, 4u}) {
+    Cell backdrop = cellOf(scene, {n});
+    backdrop.mesh.confirmations.assign(backdrop.mesh.pointCount(), 3);
+    backdrop.mesh.consensus.assign(backdrop.mesh.pointCount(), 0.9f);
+    scene.nodes[n].depthFile = "depth.ktx2";
+    scene.nodes[n].depthScale = 1;
+    scene.backdrops.push_back(backdrop);
+  }
+  const SceneBounds bounds = sceneBounds(scene);
+  RenderSettings settings;
+  const auto plan = [&] { return planFrame(scene, bounds, {{cameraAt({0.3, 0, 0.2}, 0.1)}, settings}); };
+  const FramePlan cells = plan();
+  REQUIRE(cells.cells.size() > 3);
+  settings.composition = Composition::hybrid;
+  const FramePlan hybrid = plan();
+  CHECK(hybrid.cells.size() == 2);
+  CHECK(hybrid.photographs.size() == 2);
+  settings.maxCells = 1;
+  CHECK(plan().cells.size() == 1);
+  settings.maxCells = 12;
+  for (const Composition composition : {Composition::hybrid, Composition::gathered}) {
+    settings.composition = composition;
+    settings.soloCells = {cells.cells[0].cell, cells.cells[1].cell, cells.cells[2].cell};
+    const FramePlan solo = plan();
+    CHECK(solo.settings.composition == Composition::cells);
+    CHECK(solo.photographs.empty());
+    CHECK(solo.cells.size() == 3);
+    CHECK(solo.backdrops.empty());
+  }
+}
+
 TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and in") {
   Scene scene = stackedGrid();
   for (std::uint32_t n : {0u, 4u}) {

@@ -404,10 +404,10 @@ class Planner {
       plan_.nearDistance = 0.05 * candidates[0].distance;
   }
 
-  // A scene that cannot be gathered from is drawn by its cells, and overlays are of cells.
+  // A scene that cannot be gathered from is drawn by its cells; overlays and chosen cells are of cells too.
   void choosePhotographs() {
     if (!gathers()) return;
-    if (settings_.overlay == Overlay::none)
+    if (settings_.overlay == Overlay::none && settings_.soloCells.empty())
       plan_.photographs =
           ibr::choosePhotographs(scene_, bounds_.gather, plan_.views, middle_, settings_.gatherCandidates);
     if (plan_.photographs.empty())
