@@ -177,6 +177,26 @@ TEST_CASE("gather pass: a device draws what the reference implementation does", 
   }
 }
 
+TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown as the reference shows them", "[P9]") {
+  // Depths wave about the wall, within the tolerance of about .05 and beyond; none is opaque.
+  for (const double wave : {0.03, 0.08}) {
+    GatherOptions options = wallOptions();
+    options.inverseDepth = [wave](std::size_t node, glm::dvec2 pixel, double rho) {
+      return rho + wave * (1 + std::sin(pixel.x / 40 + 2.1 * double(node)));
+    };
+    options.evidence = [](std::size_t node, glm::dvec2 pixel) {
+      return Evidence{std::uint8_t(node % 4), float(0.4 + 0.2 * std::sin(pixel.y / 30 + double(node)))};
+    };
+    const GatherStage stage = gatherStage(options);
+    const OnDevice device(stage);
+    for (const std::uint32_t layers : {1u, 2u}) {
+      RenderSettings settings = GatherStage::gatherSettings();
+      settings.gatherLayers = layers;
+      checkAgainstReference(stage, device, stage.plan(std::vector{kBetween}, settings));
+    }
+  }
+}
+
 TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9]") {
   const OnDevice device(room());
   for (const double yaw : {0.0, 1.5, 3.1})
