@@ -238,7 +238,7 @@ struct BuildReport {
 
 /// Builds a scene folder. Cells and backdrops are finished one by one and kept, so that an interrupted or cancelled
 /// build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of one model
-/// are never in one cell; panoramas have no backdrops, their cells go all around. Throws Error.
+/// are never in one cell. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 /// The photographs of a build as it stores them, without building: at their stored size.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
+#include <numeric>
 
 #include "author/backdrop/complete_depth.h"
 #include "author/cgal/delaunay.h"
@@ -41,10 +43,23 @@ std::vector<Vertex> pickVertices(const ImageF& depth, double parallaxPx, int spa
   return vertices;
 }
 
+// Both ends of a panorama's rows are one place, and so is each pole.
+ImageF closedAround(ImageF depth) {
+  const int right = depth.width - 1;
+  for (int y = 0; y < depth.height; ++y)
+    depth.pixel(0, y)[0] = depth.pixel(right, y)[0] = 0.5f * (depth.pixel(0, y)[0] + depth.pixel(right, y)[0]);
+  for (const int y : {0, depth.height - 1}) {
+    float* row = &depth.pixel(0, y)[0];
+    std::fill_n(row, depth.width, std::accumulate(row, row + depth.width, 0.0f) / float(depth.width));
+  }
+  return depth;
+}
+
 }  // namespace
 
 glm::ivec2 backdropSize(const Intrinsics& stored) {
-  const double scale = std::min(1.0, double(kBackdropSide) / std::max(stored.width, stored.height));
+  const int side = stored.model == CameraModel::equirectangular ? kPanoramaSide : kBackdropSide;
+  const double scale = std::min(1.0, double(side) / std::max(stored.width, stored.height));
   return {std::max(1, int(std::lround(stored.width * scale))), std::max(1, int(std::lround(stored.height * scale)))};
 }
 
@@ -53,11 +68,14 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
   return buildBackdrop(stored, inverseDepth, completeDepth(inverseDepth, colours), options);
 }
 
-CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& completed,
+CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& depth,
                        const BackdropOptions& options) {
   const Intrinsics& k = stored.intrinsics;
+  const bool panorama = k.model == CameraModel::equirectangular;
+  const ImageF completed = panorama ? closedAround(depth) : depth;
   const glm::dvec2 scale(double(k.width) / completed.width, double(k.height) / completed.height);
-  const double parallaxPx = options.step * std::max(k.fx / scale.x, k.fy / scale.y);  // of inverse depth 1
+  const double focalPx = panorama ? completed.width / (2 * std::numbers::pi) : std::max(k.fx / scale.x, k.fy / scale.y);
+  const double parallaxPx = options.step * focalPx;  // of inverse depth 1
   const double cutPx = options.cut > 0 ? parallaxPx * options.cut / options.step : parallaxPx;
   const std::vector<Vertex> vertices = pickVertices(completed, parallaxPx, options.spacing);
 
@@ -75,7 +93,7 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
     places.push_back(vertex.at);
     mesh.match[0].emplace_back(match);
     mesh.ratio[0].push_back(1.0f);
-    mesh.inverseDistance.push_back(float(double(w) * -ray.z));
+    mesh.inverseDistance.push_back(float(panorama ? double(w) : double(w) * -ray.z));
     isKnown.push_back(inverseDepth.pixel(vertex.pixel.x, vertex.pixel.y)[0] >= 0);
     mesh.uncertainty.push_back((isKnown.back() ? kKnownShare : 1.0f) * mesh.inverseDistance.back());
     parallax.push_back(float(cutPx * double(w)));

@@ -22,13 +22,14 @@ struct BackdropOptions {
 
 /// Longest side of the pictures that depths of backdrops are kept in, px.
 inline constexpr int kBackdropSide = 512;
+inline constexpr int kPanoramaSide = 2048;  // of a panorama's
 
 /// The size of that picture for a photograph, at most its own.
 glm::ivec2 backdropSize(const Intrinsics& stored);
 
-/// `stored`: the photograph's camera at its stored size, a pinhole. `inverseDepth`: along its axis, of backdropSize,
-/// kUnknownDepth where unknown; `colours`: RGB, the same size. Matches are in px of the stored photograph.
-/// quality.coverage is the share of the picture whose depth was known.
+/// `stored`: the photograph's camera at its stored size. `inverseDepth`: along its axis (of a panorama: along the ray),
+/// of backdropSize, kUnknownDepth where unknown; `colours`: RGB, the same size. Matches are in px of the stored
+/// photograph. quality.coverage is the share of the picture whose depth was known.
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
                        const BackdropOptions& options);
 

@@ -104,7 +104,7 @@ class Predictor {
       made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
       storing_ = std::max(storing_, bytesToStore(photo));
       loading_ = std::max(loading_, bytesToLoad(photo));
-      if (!options_.backdrops || isPanorama(photo)) continue;
+      if (!options_.backdrops) continue;
       const glm::ivec2 size = backdropSize(k);
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
@@ -112,7 +112,7 @@ class Predictor {
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
       depths_ += kDepthBytesPerPixel * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
-      sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * size.x * size.y);
+      if (!isPanorama(photo)) sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * size.x * size.y);
     }
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;

@@ -348,14 +348,14 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
-  // Of all pinholes, in the order of the photographs.
-  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker, std::size_t pinholes) const {
+  // In the order of the photographs.
+  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker) const {
+    constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-      if (!isPanorama(photo)) pixels = std::max(pixels, double(size.x) * size.y);
+      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * size.x * size.y);
     }
-    if (pinholes == 0) return {};
     const DepthMatcher matcher(input_, options_, jobs_);
     const double bytesEach = std::max(maker.bytesOfDepth(), matcher.bytesToMatch());
     std::size_t run = 0;
@@ -376,23 +376,20 @@ class Builder {
   }
 
   void makeBackdrops() {
-    std::vector<std::uint32_t> pinholes;
-    for (std::uint32_t i = 0; i < input_.photographs.size(); ++i)
-      if (!isPanorama(input_.photographs[i])) pinholes.push_back(i);
     const BackdropMaker maker(input_, options_, scene_);
-    const std::vector<PhotographDepth> depths = findDepths(maker, pinholes.size());
-    std::vector<MadeBackdrop> made(pinholes.size());
+    const std::vector<PhotographDepth> depths = findDepths(maker);
+    std::vector<MadeBackdrop> made(depths.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
-                 [&](std::size_t b) { made[b] = maker.make(pinholes[b], depths[b]); });
-    for (std::size_t b = 0; b < made.size(); ++b) {
-      Node& node = scene_.nodes[pinholes[b]];
+                 [&](std::size_t b) { made[b] = maker.make(std::uint32_t(b), depths[b]); });
+    for (std::uint32_t b = 0; b < made.size(); ++b) {
+      Node& node = scene_.nodes[b];
       node.depthFile = made[b].depthFile;
       node.depthScale = made[b].depthScale;
       MadeCell& making = made[b].made;
-      Cell backdrop{{pinholes[b]}, std::move(making.cell.mesh), making.cell.quality};
+      Cell backdrop{{b}, std::move(making.cell.mesh), making.cell.quality};
       cutBorder(backdrop);  // how much of the depth was matched stays as it is: in the border nothing was
       const MorphMesh& mesh = backdrop.mesh;
-      report_.backdrops.push_back({input_.photographs[pinholes[b]].name, mesh.pointCount(), mesh.triangles.size(),
+      report_.backdrops.push_back({input_.photographs[b].name, mesh.pointCount(), mesh.triangles.size(),
                                    backdrop.quality.coverage, making.seconds, making.resumed});
       scene_.backdrops.push_back(std::move(backdrop));
     }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
@@ -42,6 +44,78 @@ ImageF keptDepth(const PhotographDepth& depth) {
   return kept;
 }
 
+Camera sizedAs(const Camera& stored, glm::ivec2 size) {
+  return {resized(stored.intrinsics, size.x, size.y), stored.pose};
+}
+
+bool isPanorama(const Camera& camera) {
+  return camera.intrinsics.model == CameraModel::equirectangular;
+}
+
+double pxARadian(const Intrinsics& k) {
+  return k.model == CameraModel::equirectangular ? k.width / (2 * std::numbers::pi) : k.fx;
+}
+
+// A pinhole picture whose depth is found: the photograph's, or of a face of a panorama, at the depth's size.
+struct View {
+  std::uint32_t node;
+  bool isFace;
+  Camera camera;
+};
+
+std::vector<View> viewsOf(const Scene& scene) {
+  std::vector<View> views;
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    const Camera& stored = scene.nodes[n].camera;
+    const Camera small = sizedAs(stored, backdropSize(stored.intrinsics));
+    if (!isPanorama(stored)) {
+      views.push_back({n, false, small});
+    } else {
+      for (const Camera& face : depthFaces(small)) views.push_back({n, true, face});
+    }
+  }
+  return views;
+}
+
+// A view's depth before any other view is asked.
+struct FoundDepth {
+  DepthMap map;
+  Image8 sky = {};
+  bool sparse = false;
+};
+
+FoundDepth depthOf(const Scene& scene, const View& view, bool isInCell, const PhotographDepthOptions& options) {
+  const Camera& stored = scene.nodes[view.node].camera;
+  if (options.matches && !view.isFace)
+    if (std::optional<SweptDepth> swept = options.matches(view.node))
+      return {{sizedAs(stored, {swept->sky.width, swept->sky.height}), std::move(swept->inverseDepth)},
+              std::move(swept->sky)};
+  const Intrinsics& k = view.camera.intrinsics;
+  if (isInCell)
+    return {{view.camera, view.isFace ? depthInScene(scene, view.node, view.camera)
+                                      : depthInScene(scene, view.node, {k.width, k.height})}};
+  const auto points = options.points ? options.points(view.node) : std::vector<glm::dvec3>{};
+  return {{view.camera, depthOfPoints(view.camera, points)}, {}, true};
+}
+
+// Beyond the seam of a panorama is its other end.
+template <class T>
+Image<T> withEnds(const Image<T>& image, int wide) {
+  Image<T> result(image.width + 2 * wide, image.height, image.channels);
+  for (int y = 0; y < result.height; ++y)
+    for (int x = 0; x < result.width; ++x)
+      std::copy_n(&image.pixel((x - wide + image.width) % image.width, y)[0], image.channels, &result.pixel(x, y)[0]);
+  return result;
+}
+
+ImageF completedAround(const ImageF& kept, const Image8& colours) {
+  const int wide = kept.width / 4;
+  const ImageF whole = completeDepth(withEnds(kept, wide), withEnds(colours, wide));
+  ImageF result(kept.width, kept.height, 1);
+  for (int y = 0; y < kept.height; ++y) std::copy_n(&whole.pixel(wide, y)[0], kept.width, &result.pixel(0, y)[0]);
+  return result;
+}
+
 int nearestPixel(double at, int side) {
   return std::clamp(int(std::floor(at)), 0, side - 1);
 }
@@ -56,45 +130,38 @@ double medianResidualPx(const Scene& scene) {
 }
 
 std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options) {
-  std::vector<PhotographDepth> result;
+  const std::vector<View> views = viewsOf(scene);
+  if (views.empty()) return {};
   std::vector<Camera> cameras;
-  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n)
-    if (const Camera& camera = scene.nodes[n].camera; camera.intrinsics.model == CameraModel::pinhole) {
-      result.push_back({.node = n});
-      cameras.push_back(camera);
-    }
-  if (result.empty()) return result;
+  for (const Node& node : scene.nodes) cameras.push_back(node.camera);
   std::vector<bool> inCell(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     for (const std::uint32_t member : cell.members) inCell[member] = true;
   const double spacing = captureSpacing(cameras), residualPx = medianResidualPx(scene);
-  std::vector<ConsistentDepth> matched(result.size());
+  std::vector<FoundDepth> found(views.size());
+  std::vector<ConsistentDepth> matched(views.size());
   const JobRunner runDepths = options.depths ? options.depths : runInTurn,
                   runEvidence = options.evidence ? options.evidence : runInTurn;
-  runDepths(result.size(), [&](std::size_t i) {
-    const std::uint32_t node = result[i].node;
-    const Intrinsics& stored = cameras[i].intrinsics;
-    glm::ivec2 size = backdropSize(stored);
-    std::optional<SweptDepth> swept;
-    if (options.matches) swept = options.matches(node);
-    if (swept) size = {swept->sky.width, swept->sky.height};
-    const Camera small{resized(stored, size.x, size.y), cameras[i].pose};
-    ImageF depth;
-    if (swept) {
-      depth = std::move(swept->inverseDepth);
-      result[i].sky = std::move(swept->sky);
-    } else if (inCell[node]) {
-      depth = depthInScene(scene, node, size);
-    } else {
-      result[i].sparse = true;
-      depth = depthOfPoints(small, options.points ? options.points(node) : std::vector<glm::dvec3>{});
-    }
-    matched[i] = {{small, std::move(depth)}, kStepPx / (stored.fx * spacing), residualPx * size.x / stored.width};
+  runDepths(views.size(), [&](std::size_t i) {
+    found[i] = depthOf(scene, views[i], inCell[views[i].node], options);
+    const double storedFocal = pxARadian(cameras[views[i].node].intrinsics);
+    const double scale = found[i].map.camera.intrinsics.fx / storedFocal;
+    matched[i] = {std::move(found[i].map), kStepPx / (storedFocal * spacing), residualPx * scale};
   });
   std::vector<DepthEvidence> evidence = depthEvidence(matched, kDepthSources, runEvidence);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i].matched = std::move(matched[i]);
-    result[i].evidence = std::move(evidence[i]);
+
+  std::vector<PhotographDepth> result;
+  std::vector<MatchedDepth> faces;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto& [node, isFace, camera] = views[i];
+    MatchedDepth depth{std::move(matched[i]), std::move(found[i].sky), std::move(evidence[i])};
+    if (isFace) {
+      faces.push_back(std::move(depth));
+      if (i + 1 < views.size() && views[i + 1].isFace && views[i + 1].node == node) continue;
+      depth = onSphere(sizedAs(cameras[node], backdropSize(cameras[node].intrinsics)), faces);
+      faces.clear();
+    }
+    result.push_back({std::move(depth), node, found[i].sparse});
   }
   return result;
 }
@@ -104,7 +171,10 @@ CompletedDepth completed(const PhotographDepth& depth, const Image8& colours) {
   ImageF kept = keptDepth(depth);
   const int width = kept.width, height = kept.height;
   CompletedDepth result{
-      {completeDepth(kept, colours), ImageF(width, height, 1, kCompletedConsensus)}, {}, Image8(width, height, 1, 0)};
+      {isPanorama(depth.matched.map.camera) ? completedAround(kept, colours) : completeDepth(kept, colours),
+       ImageF(width, height, 1, kCompletedConsensus)},
+      {},
+      Image8(width, height, 1, 0)};
   for (std::size_t p = 0; p < kept.values.size(); ++p) {
     if (kept.values[p] < 0) continue;
     const bool sky = isSky(depth, p);

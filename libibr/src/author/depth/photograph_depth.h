@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a scene's pinhole photographs, at backdropSize, with the evidence that the other photographs give.
+// Depth of a scene's photographs, at backdropSize, with the evidence that the other photographs give. Of a panorama it
+// is found face by face (panorama_depth.h), and ρ is along the ray.
 //
 //   depth     as it was matched (photograph_sweep.h). Where it was not: of each cell with the photograph the nearest
 //             surface of tier 0, of all cells the median (scene_depth.h); of a photograph in no cell its points
@@ -15,7 +16,7 @@
 #include <optional>
 #include <vector>
 
-#include "author/depth/depth_consistency.h"
+#include "author/depth/panorama_depth.h"
 #include "author/depth/photograph_sweep.h"
 #include "ibr/image.h"
 #include "ibr/scene.h"
@@ -28,12 +29,9 @@ inline constexpr int kLeastSurface = 30;          // px of the depth's picture
 inline constexpr std::size_t kDepthSources = 10;  // photographs that are asked about one photograph's depth
 
 /// A photograph's depth as it was matched, and its evidence.
-struct PhotographDepth {
+struct PhotographDepth : MatchedDepth {
   std::uint32_t node = 0;
-  ConsistentDepth matched;
-  Image8 sky;           // 255 where the photograph shows it, else 0; empty: not known
   bool sparse = false;  // the depth is that of points
-  DepthEvidence evidence;
 };
 
 /// The depth of a photograph as it was matched; nullopt where it was not.
@@ -51,7 +49,7 @@ struct PhotographDepthOptions {
 /// Median over the cells of their reprojection residual, px of the stored photographs; 0 where no cell states one.
 double medianResidualPx(const Scene& scene);
 
-/// Of all pinholes, in the order of the nodes. Does not depend on the order in which jobs are run. 8 bytes a pixel.
+/// Of all photographs, in the order of the nodes. Does not depend on the order in which jobs are run. 8 bytes a pixel.
 /// Throws what the runners throw.
 std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options = {});
 

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <glm/common.hpp>
+#include <map>
 #include <random>
 
 #include "author/backdrop/complete_depth.h"
@@ -183,6 +184,46 @@ TEST_CASE("a backdrop's vertices stand where the depth says, and its coverage co
     const auto point = vertexPosition(scene, {{0}, backdrop.mesh, {}}, p);
     REQUIRE(point);
     CHECK(glm::dot(*point - camera.pose.position, viewAxis(camera.pose)) == Approx(4.0).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("a panorama's backdrop closes over its seam and at its poles") {
+  const Camera camera{{CameraModel::equirectangular, 256, 128}, {{1, 2, 3}, {1, 0, 0, 0}}};
+  CHECK(backdropSize(camera.intrinsics) == glm::ivec2(256, 128));
+  CHECK(backdropSize({CameraModel::equirectangular, 8192, 4096}) == glm::ivec2(kPanoramaSide, kPanoramaSide / 2));
+  ImageF depth(256, 128, 1);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(0.2f, 0.3f);
+  for (float& w : depth.values) w = uniform(random);
+  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(256, 128), {.step = 0.1, .spacing = 8});
+  checkClosed(camera, backdrop);
+  const MorphMesh& mesh = backdrop.mesh;
+  std::map<float, std::vector<float>> left, right, poles;  // inverse distances by row
+  for (std::size_t p = 0; p < mesh.pointCount(); ++p) {
+    const glm::vec2 at = mesh.match[0][p];
+    if (at.y == 0 || at.y == 128) poles[at.y].push_back(mesh.inverseDistance[p]);
+    if (at.x == 0) left[at.y].push_back(mesh.inverseDistance[p]);
+    if (at.x == 256) right[at.y].push_back(mesh.inverseDistance[p]);
+  }
+  CHECK(left.size() > 8);
+  CHECK(left == right);
+  REQUIRE(poles.size() == 2);
+  for (const auto& [row, distances] : poles)
+    CHECK(std::ranges::all_of(distances, [&](float w) { return w == distances.front(); }));
+}
+
+TEST_CASE("a panorama's vertices stand at the distance along their rays") {
+  const Camera camera{{CameraModel::equirectangular, 256, 128}, {{1, 2, 3}, {0.6, 0, 0.8, 0}}};
+  const CellMesh backdrop =
+      buildBackdrop(camera, ImageF(256, 128, 1, 0.25f), speckled(256, 128), {.step = 1.0, .spacing = 8});
+  CHECK(backdrop.quality.coverage == 1);
+  CHECK(backdrop.mesh.tier0Count() == backdrop.mesh.triangles.size());
+  Scene scene;
+  scene.nodes.push_back({"a", camera, {}, {}});
+  for (std::size_t p = 0; p < backdrop.mesh.pointCount(); ++p) {
+    const auto point = vertexPosition(scene, {{0}, backdrop.mesh, {}}, p);
+    REQUIRE(point);
+    CHECK(glm::distance(*point, camera.pose.position) == Approx(4.0).epsilon(1e-4));
   }
 }
 

@@ -367,6 +367,52 @@ TEST_CASE("a built scene has depth and evidence of every pinhole, the same on an
   for (const Cell& cell : scene.cells) CHECK(cell.mesh.confirmations.empty());
 }
 
+TEST_CASE("panoramas have depth and a backdrop all around, which others confirm") {
+  const TemporaryFolder folder;
+  SyntheticOptions rendered;
+  for (const glm::dvec3 at : {glm::dvec3(0, 0, 0), {0.6, 0, 0}, {0.3, 0.05, -0.5}})
+    rendered.cameras.push_back({{CameraModel::equirectangular, 256, 128}, {at, {1, 0, 0, 0}}});
+  rendered.planes = roomPlanes({-2.5, -1.6, -3.5}, {3.6, 1.9, 2.2}, 0.25, 7);
+  rendered.surfaceStep = 1;
+  rendered.samplesPerAxis = 2;
+  const SyntheticScene room = makeScene(rendered);
+  std::vector<glm::dvec3> points;
+  for (const glm::dvec3 direction : pointsAround({0, 0, 0}, 1, 300))
+    points.push_back(distanceAlong(room, {0, 0, 0}, direction).value() * direction);
+  const PosedModel model = modelOf(rendered.cameras, points);
+  fs::create_directories(folder / "photos");
+  for (std::size_t i = 0; i < 3; ++i) writeImage(folder / "photos" / model.images[i].name, room.photographs[i]);
+  writeColmapModel(model, folder / "model");
+  BuildOptions options;
+  options.photographs = folder / "photos";
+  options.model = folder / "model";
+  options.output = folder / "scene";
+  const BuildReport report = build(options);
+  CHECK(report.cells.size() == 1);
+  CHECK(report.backdrops.size() == 3);
+  for (const Fault& fault : validateSceneFiles(options.output)) FAIL(fault.field << " " << fault.message);
+  const Scene scene = loadScene(options.output);
+  for (std::size_t n = 0; n < 3; ++n) {
+    CAPTURE(n);
+    const Camera& camera = scene.nodes[n].camera;
+    const DepthMaps maps =
+        readDepthTexture(readKtx2(options.output / scene.nodes[n].depthFile), scene.nodes[n].depthScale);
+    const Intrinsics k = resized(camera.intrinsics, maps.inverseDepth.width, maps.inverseDepth.height);
+    CHECK(k.width == 2 * k.height);
+    std::size_t right = 0;
+    for (int y = 0; y < k.height; ++y)
+      for (int x = 0; x < k.width; ++x) {
+        const glm::dvec3 ray = camera.pose.rotation * unproject(k, {x + 0.5, y + 0.5});
+        const double truth = 1 / distanceAlong(room, camera.pose.position, ray).value();
+        right += std::abs(double(maps.inverseDepth.pixel(x, y)[0]) / truth - 1) < 0.1;
+      }
+    CHECK(double(right) > 0.9 * k.width * k.height);
+    const MorphMesh& mesh = scene.backdrops[n].mesh;
+    const auto confirmed = mesh.pointCount() - std::size_t(std::ranges::count(mesh.confirmations, std::uint8_t(0)));
+    CHECK(confirmed > mesh.pointCount() / 2);
+  }
+}
+
 TEST_CASE("a build is cancelled while depth is found, and goes on") {
   const Set set;
   const BuildOptions whole = set.options("whole"), stopped = set.options("stopped");

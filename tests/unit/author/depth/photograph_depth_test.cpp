@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "author/backdrop/backdrop.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr int kWidth = 96, kHeight = 72;
 constexpr double kDistance = 4;
+constexpr std::uint32_t kPanorama = 3;
 
 // Photographs of a wall .5 apart, joined by exact cells but for the last one; a panorama stands among them.
 SyntheticScene wall() {
@@ -46,23 +48,49 @@ CompletedDepth uniform(int width, int height) {
 
 }  // namespace
 
-TEST_CASE("each pinhole of a scene has the depth of its cells, and is confirmed by the others") {
+TEST_CASE("each photograph of a scene has the depth of its cells, and is confirmed by the others") {
   SyntheticScene made = wall();
   for (std::size_t c = 0; c < 3; ++c) made.scene.cells[c].quality.residualPx = double(c);
   const std::vector<PhotographDepth> depths = depthOfPhotographs(made.scene);
-  REQUIRE(depths.size() == 5);
-  const std::uint32_t nodes[]{0, 1, 2, 4, 5};
-  for (std::size_t i = 0; i < 5; ++i) {
-    CHECK(depths[i].node == nodes[i]);
-    CHECK(depths[i].matched.map.camera.intrinsics.width == kWidth);
-    // 2 px of a photograph at the median spacing of the pinholes, .5; the panorama does not count.
-    CHECK(depths[i].matched.step == Approx(2 / (made.scene.nodes[0].camera.intrinsics.fx * 0.5)));
-    CHECK(depths[i].matched.residualPx == Approx(1));
+  REQUIRE(depths.size() == 6);
+  for (std::uint32_t n = 0; n < 6; ++n) {
+    if (n == kPanorama) continue;
+    CHECK(depths[n].node == n);
+    CHECK(depths[n].matched.map.camera.intrinsics.width == kWidth);
+    // 2 px of a photograph at the median spacing, .5.
+    CHECK(depths[n].matched.step == Approx(2 / (made.scene.nodes[0].camera.intrinsics.fx * 0.5)));
+    CHECK(depths[n].matched.residualPx == Approx(1));
   }
-  for (std::size_t i = 0; i < 4; ++i)
-    CHECK(valueAt(depths[i].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
+  for (const std::uint32_t n : {0, 1, 2, 4})
+    CHECK(valueAt(depths[n].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
   CHECK(int(depths[1].evidence.confirmations.pixel(kWidth / 2, kHeight / 2)[0]) == 3);
-  CHECK(std::ranges::all_of(depths[4].matched.map.inverseDepth.values, [](float w) { return w == kUnknownDepth; }));
+  CHECK(std::ranges::all_of(depths[5].matched.map.inverseDepth.values, [](float w) { return w == kUnknownDepth; }));
+}
+
+TEST_CASE("a panorama has the distance of its cells along each ray, and confirms and is confirmed") {
+  SyntheticOptions options;
+  for (const double x : {0.0, 0.5, 1.0})
+    options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
+  options.planes = {{.origin = {0, 0, -kDistance}, .extentU = 40, .extentV = 40, .wavelength = 1}};
+  options.cells = {{0, 1}, {1, 2}};
+  options.gridStep = 2;
+  options.samplesPerAxis = 1;
+  const SyntheticScene made = makeScene(options);
+  const std::vector<PhotographDepth> depths = depthOfPhotographs(made.scene);
+  REQUIRE(depths.size() == 3);
+  for (std::uint32_t n = 0; n < 3; ++n) {
+    CAPTURE(n);
+    CHECK(depths[n].node == n);
+    CHECK(depths[n].matched.step == Approx(2 / (128 / (2 * std::numbers::pi) * 0.5)));
+    const Intrinsics& k = depths[n].matched.map.camera.intrinsics;
+    REQUIRE(k.model == CameraModel::equirectangular);
+    for (const glm::ivec2 at : {glm::ivec2(64, 32), {74, 32}, {54, 25}, {66, 40}}) {
+      const glm::dvec3 ray = unproject(k, glm::dvec2(at) + 0.5);
+      CHECK(valueAt(depths[n].matched.map.inverseDepth, at.x, at.y) == Approx(-ray.z / kDistance).epsilon(0.05));
+      CHECK(int(depths[n].evidence.confirmations.pixel(at.x, at.y)[0]) == 2);
+    }
+    CHECK(valueAt(depths[n].matched.map.inverseDepth, 0, 32) == kUnknownDepth);  // behind there is nothing
+  }
 }
 
 TEST_CASE("a photograph that no cell has takes the depth of its points") {
@@ -72,11 +100,54 @@ TEST_CASE("a photograph that no cell has takes the depth of its points") {
                                                                    asked.push_back(node);
                                                                    return std::vector<glm::dvec3>{{2, 0, -5}};
                                                                  }});
-  CHECK(asked == std::vector<std::uint32_t>{5});
-  CHECK(valueAt(depths[4].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(0.2));
-  CHECK(std::ranges::count_if(depths[4].matched.map.inverseDepth.values, [](float w) { return w >= 0; }) == 1);
-  const CompletedDepth whole = completed(depths[4], Image8(kWidth, kHeight, 3, 90));
+  // The panorama is asked for each of its faces.
+  CHECK(asked == std::vector<std::uint32_t>{kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, 5});
+  CHECK(depths[kPanorama].sparse);
+  CHECK(depths[5].sparse);
+  CHECK(std::ranges::count_if(depths[5].matched.map.inverseDepth.values, [](float w) { return w >= 0; }) == 1);
+  CHECK(valueAt(depths[5].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(0.2));
+  const CompletedDepth whole = completed(depths[5], Image8(kWidth, kHeight, 3, 90));
   for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.2));
+}
+
+TEST_CASE("a panorama that no cell has takes the depth of its points") {
+  const SyntheticScene made = wall();
+  std::vector<glm::dvec3> points;
+  for (int y = -10; y <= 10; ++y)
+    for (int x = -10; x <= 10; ++x) points.push_back({1.2 + 0.3 * x, 0.3 * y, -5});
+  const std::vector<PhotographDepth> depths =
+      depthOfPhotographs(made.scene, {.points = [&](std::uint32_t) { return points; }});
+  const ImageF& map = depths[kPanorama].matched.map.inverseDepth;
+  std::size_t known = 0;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      if (const float w = valueAt(map, x, y); w >= 0) {
+        ++known;
+        const glm::dvec3 ray = unproject(depths[kPanorama].matched.map.camera.intrinsics, {x + 0.5, y + 0.5});
+        CHECK(w == Approx(-ray.z / 5).epsilon(0.1));
+      }
+  CHECK(known > 20);
+}
+
+TEST_CASE("a panorama is completed over its seam") {
+  // Known but for two columns at the left end and two at the right, which its neighbours of the other end complete.
+  constexpr int kSide = 64;
+  PhotographDepth depth;
+  depth.matched = {{{{CameraModel::equirectangular, kSide, kSide / 2}, {}}, ImageF(kSide, kSide / 2, 1)}, 0.01, 0};
+  depth.evidence = {Image8(kSide, kSide / 2, 1, 4), Image8(kSide, kSide / 2, 1, 0), Image8(kSide, kSide / 2, 1, 4)};
+  for (int y = 0; y < kSide / 2; ++y)
+    for (int x = 0; x < kSide; ++x)
+      depth.matched.map.inverseDepth.pixel(x, y)[0] = x < 2 || x >= kSide - 2 ? kUnknownDepth
+                                                      : x < kSide / 2         ? 0.5f
+                                                                              : 1;
+  const CompletedDepth whole = completed(depth, Image8(kSide, kSide / 2, 3, 90));
+  const auto at = [&](int x) { return valueAt(whole.maps.inverseDepth, x, kSide / 4); };
+  CHECK(at(2) == 0.5f);
+  CHECK(at(kSide - 3) == 1);
+  CHECK(at(1) == Approx(0.6).margin(0.02));
+  CHECK(at(0) == Approx(0.7).margin(0.02));
+  CHECK(at(kSide - 1) == Approx(0.8).margin(0.02));
+  CHECK(at(kSide - 2) == Approx(0.9).margin(0.02));
 }
 
 TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop it") {
@@ -97,7 +168,7 @@ TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop
     CHECK(test::errorOf([&] { depthOfPhotographs(made.scene, options); }).code() == ErrorCode::cancelled);
 }
 
-TEST_CASE("a scene without pinholes has no depth of photographs") {
+TEST_CASE("a scene without photographs has no depth of photographs") {
   CHECK(depthOfPhotographs({}).empty());
   CHECK(medianResidualPx({}) == 0);
 }
