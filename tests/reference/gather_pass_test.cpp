@@ -47,8 +47,8 @@ Texture depthTextureOf(const ImageF& depth) {
 // A generated scene on the test device.
 class OnDevice {
  public:
-  explicit OnDevice(const GatherStage& stage, std::uint64_t budget = 0)
-      : stage_(stage), gpuScene_(testDevice(), stage.made.scene, options(budget)) {}
+  explicit OnDevice(const GatherStage& stage, std::uint64_t budget = 0, TextureFormat format = TextureFormat::rgba8)
+      : stage_(stage), gpuScene_(testDevice(), stage.made.scene, options(budget, format)) {}
 
   GpuScene& gpuScene() { return gpuScene_; }
   GpuScene::Memory memory() const { return gpuScene_.memory(); }
@@ -90,9 +90,13 @@ class OnDevice {
   }
 
  private:
-  GpuSceneOptions options(std::uint64_t budget) const {
-    return {.source = [this](const Scene&, std::size_t node,
-                             int firstLevel) { return smallerLevels(Texture(stage_.textures[node]), firstLevel); },
+  Texture encoded(std::size_t node, TextureFormat format) const {
+    return format == TextureFormat::rgba8 ? Texture(stage_.textures[node])
+                                          : encodeTexture(stage_.textures[node], format);
+  }
+  GpuSceneOptions options(std::uint64_t budget, TextureFormat format) const {
+    return {.source = [this, format](const Scene&, std::size_t node,
+                                     int firstLevel) { return smallerLevels(encoded(node, format), firstLevel); },
             .budgetBytes = budget,
             .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
             .filter = TextureFilter::trilinear};
@@ -226,6 +230,21 @@ TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
     const Image8 image = device.image(wall().plan(wall().made.scene.nodes[n].camera));
     CHECK(psnr(image, wall().made.photographs[n]) > 45);
     CHECK(largestDifference(image, wall().made.photographs[n]) <= 2);
+  }
+}
+
+TEST_CASE("gather pass: a photograph in blocks comes back within 1 dB of what its codec left") {
+  if (!testDevice().samplesBlocks()) return;
+  for (const TextureFormat format : {TextureFormat::bc7, TextureFormat::bc1}) {
+    CAPTURE(textureFormatName(format));
+    const OnDevice device(wall(), 0, format);
+    for (std::size_t n = 0; n < wall().made.scene.nodes.size(); ++n) {
+      const Image8 coded = decodeTexture(encodeTexture(wall().textures[n], format)).front();
+      const Image8 image = device.image(wall().plan(wall().made.scene.nodes[n].camera));
+      const double left = psnr(coded, wall().made.photographs[n]);
+      CHECK(left < 50);  // the codec's error shows
+      CHECK(psnr(image, wall().made.photographs[n]) >= left - 1);
+    }
   }
 }
 
