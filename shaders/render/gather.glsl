@@ -45,7 +45,7 @@ struct Sight {
   float lod;     // mip level
 };
 
-Sight sightOf(int k, vec3 ray, float rho) {
+Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   Sight sight = Sight(vec2(0.0), 0.0, 0.0);
   const uint v = c.view;
   const vec3 shift = views[v].candidate[k].shift, turned = views[v].candidate[k].toPhotograph * ray,
@@ -85,7 +85,8 @@ Sight sightOf(int k, vec3 ray, float rho) {
   const float apart = smoothstep(0.0, kGatherOwnPlace, beyond);
   sight.weight = views[v].candidate[k].weight * resolution * resolution * mix(1.0, border, apart) *
                  mix(1.0, visible, apart) / ((kGatherAngleFloor + beyond) * max(apart, kGatherLeastApart));
-  sight.lod = max(log2(finer * views[v].detail), 0.0);
+  const float moved = uncertainty * angle * views[v].candidate[k].focalPx;  // px
+  sight.lod = max(log2(max(finer * views[v].detail, moved)), 0.0);
   return sight;
 }
 
@@ -105,7 +106,7 @@ struct Gathered {
   vec4 shares;     // of the four photographs that weigh most, best first
 };
 
-Gathered gather(vec3 ray, float rho) {
+Gathered gather(vec3 ray, float rho, float uncertainty) {
   // The best, by weight; the one after the N best is what these are compared to.
   float weight[kMaxGatheredColours + 1], lod[kMaxGatheredColours + 1];
   int who[kMaxGatheredColours + 1];
@@ -118,7 +119,7 @@ Gathered gather(vec3 ray, float rho) {
   }
   for (int k = 0; k < kCandidates; ++k) {
     if (k >= int(views[c.view].count)) break;
-    Sight sight = sightOf(k, ray, rho);
+    Sight sight = sightOf(k, ray, rho, uncertainty);
     if (kMasked && sight.weight > 0.0) sight.weight *= maskShare(colourOf(k, sight.at, sight.lod).a);
     int carried = k;
     for (int i = 0; i <= kColours; ++i)
@@ -156,6 +157,7 @@ Gathered gather(vec3 ray, float rho) {
 /// What the vote says of a pixel, holes filled.
 struct Surfaces {
   float rho[2];
+  float uncertainty[2];  // of ρ, a share of it
   int tier[2];
   float opacity;  // of the first, before the second
   int count;      // 0: nothing at all
@@ -168,11 +170,13 @@ Surfaces surfacesAt(vec2 pixel) {
   s.rho[0] = vote.x;
   s.rho[1] = max(vote.y, 0.0);
   s.opacity = vote.z;
-  const int code = int(vote.w + 0.5) - 1;
-  s.tier[0] = (code & 1) != 0 ? 2 : 0;
-  s.tier[1] = (code & 2) != 0 ? 2 : 0;
+  const uint code = uint(vote.w);
+  for (int l = 0; l < 2; ++l) {
+    s.tier[l] = gatherIsCompleted(code, l) ? 2 : 0;
+    s.uncertainty[l] = gatherUncertainty(gatherConsensus(code, l));
+  }
   s.count = vote.y >= 0.0 ? 2 : 1;
-  if (code < 0) {  // a hole: pushed down from the level of half the size
+  if (gatherIsHole(code)) {  // pushed down from the level of half the size
     const ivec2 last = ivec2(c.voteExtent + 1u) / 2 - 1;
     const vec2 half_ = 0.5 * (vec2(at) + 0.5) - 0.5;
     const ivec2 corner = ivec2(floor(half_));
@@ -205,7 +209,7 @@ Pixel gatheredPixel() {
   float behind = 1.0, sum = 0.0, most = -1.0;
   for (int l = 0; l < kLayers; ++l) {
     if (l >= s.count) break;
-    const Gathered gathered = gather(ray, s.rho[l]);
+    const Gathered gathered = gather(ray, s.rho[l], s.uncertainty[l]);
     if (gathered.variance < 0.0) continue;
     const float opacity = l + 1 == s.count ? 1.0 : s.opacity;
     const float weight = behind * opacity / (1.0 + gathered.variance / (kGatherColourSpread * kGatherColourSpread));

@@ -104,14 +104,14 @@ void main() {
   vec4 result = vec4(0.0, -1.0, 1.0, 0.0);
   if (shown[0].who >= 0) {
     const vec3 first = surfaceAt(shown[0].who, step);
+    vec3 second = vec3(0.0);
     result.x = first.x;
-    result.w = first.z > 0.5 ? 2.0 : 1.0;
-  }
-  if (shown[1].who >= 0) {
-    const vec3 second = surfaceAt(shown[1].who, step);
-    result.y = second.x;
-    result.z = shown[0].share / (shown[0].share + shown[1].share);
-    result.w += second.z > 0.5 ? 2.0 : 0.0;
+    if (shown[1].who >= 0) {
+      second = surfaceAt(shown[1].who, step);
+      result.y = second.x;
+      result.z = shown[0].share / (shown[0].share + shown[1].share);
+    }
+    result.w = gatherCode(first.z > 0.5, first.y, second.z > 0.5, second.y);
   }
   imageStore(target, ivec2(pixel), result);
 }

@@ -5,7 +5,8 @@
 //   vote     hypotheses of a pixel support each other. Each is present as a surface by its share of the largest
 //            support, times 1 − kernel / .25, at least 0, for each of more support; from front to back it shows
 //            presence · opacity of what those before it leave. The two that show most are the pixel's surfaces
-//   gather   a surface's colour is the mean of the N photographs that see it best
+//   gather   a surface's colour is the mean of the N photographs that see it best, each read as coarsely as the
+//            surface's uncertain depth moves it: by angle · uncertainty / ρ, the angle between the view's ray and its own
 //
 // All lengths are in units of b, the median spacing of the capture sites; ρ is 1 / length.
 #ifndef IBR_SHARED_GATHER_H
@@ -48,6 +49,8 @@ IBR_CONSTANT float kGatherSteps = 2.0f;          // of the vote's tolerance: ste
 IBR_CONSTANT float kGatherShare = 0.01f;         // … and a share of ρ
 IBR_CONSTANT float kGatherKnownShare = 0.05f;    // one standard deviation of a confirmed ρ, of itself
 IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust: a hypothesis below it was completed, not matched
+IBR_CONSTANT float kGatherSureConsensus = 0.5f;  // from which on ρ counts as exact; below it …
+IBR_CONSTANT float kGatherUnsure = 0.1f;         // … it may be off by up to this share of itself
 
 /// A photograph as one view uses it. "Photograph axes": those of its camera.
 struct GatherCandidate {
@@ -110,6 +113,27 @@ IBR_FUNCTION float gatherTolerance(float step, float inverseDepth) {
 IBR_FUNCTION float gatherKernel(float here, float there, float step) {
   const float off = (here - there) / gatherTolerance(step, here);
   return max(0.0f, 1.0f - off * off);
+}
+
+/// Share of itself by which the ρ of a surface may be off.
+IBR_FUNCTION float gatherUncertainty(float consensus) {
+  return kGatherUnsure * max(0.0f, 1.0f - consensus / kGatherSureConsensus);
+}
+
+/// Last channel of the vote's image, a whole number: 0 in holes. Completed: most of a surface's weight comes from depth
+/// that nobody confirmed. `consensus`: 0 to 1, is kept in 255 steps.
+IBR_FUNCTION float gatherCode(bool completed0, float consensus0, bool completed1, float consensus1) {
+  return 1.0f + (completed0 ? 2.0f : 0.0f) + (completed1 ? 4.0f : 0.0f) + 8.0f * floor(255.0f * consensus0 + 0.5f) +
+         2048.0f * floor(255.0f * consensus1 + 0.5f);
+}
+IBR_FUNCTION bool gatherIsHole(uint code) {
+  return code == 0u;
+}
+IBR_FUNCTION bool gatherIsCompleted(uint code, int surface) {
+  return (code >> (1 + surface) & 1u) != 0u;
+}
+IBR_FUNCTION float gatherConsensus(uint code, int surface) {
+  return float(code >> (3 + 8 * surface) & 255u) / 255.0f;
 }
 
 IBR_SHARED_END

@@ -11,6 +11,7 @@
 #include "ibr/metrics.h"
 #include "image/half_float.h"
 #include "reference/gather_stage.h"
+#include "shared/gather.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
 
@@ -25,6 +26,7 @@ constexpr double kMostSnapped = 0.002;
 // Depth of holes goes through half floats; at an opacity of a half another surface counts.
 constexpr double kMostOtherDepth = 0.01;
 
+const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter of a radian from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
 
 VkExtent2D extentOf(const Camera& view) {
@@ -201,6 +203,34 @@ TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown 
   }
 }
 
+TEST_CASE("gather pass: photographs of uncertain surfaces are read as coarsely as the reference reads them", "[P9]") {
+  for (const float consensus : {0.0f, 0.1f, 0.3f}) {
+    GatherOptions options = wallOptions();
+    options.evidence = [&](std::size_t node, glm::dvec2 pixel) {
+      return pixel.x < 100 ? Evidence{0, consensus} : Evidence{std::uint8_t(node), 0.5f * consensus};
+    };
+    const GatherStage stage = gatherStage(options);
+    checkAgainstReference(stage, OnDevice(stage), stage.plan(kBeside));
+  }
+}
+
+TEST_CASE("gather pass: a vote's code keeps what it is made of") {
+  CHECK(shader::gatherIsHole(0));
+  for (const bool first : {false, true})
+    for (const bool second : {false, true})
+      for (const float consensus : {0.0f, 0.1f, 0.499f, 1.0f})
+        for (const float other : {0.0f, 0.5f, 1.0f}) {
+          const float coded = shader::gatherCode(first, consensus, second, other);
+          const auto code = std::uint32_t(coded);
+          CHECK(float(code) == coded);
+          CHECK_FALSE(shader::gatherIsHole(code));
+          CHECK(shader::gatherIsCompleted(code, 0) == first);
+          CHECK(shader::gatherIsCompleted(code, 1) == second);
+          CHECK(shader::gatherConsensus(code, 0) == Approx(consensus).margin(0.51 / 255));
+          CHECK(shader::gatherConsensus(code, 1) == Approx(other).margin(0.51 / 255));
+        }
+}
+
 TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9]") {
   const OnDevice device(room());
   for (const double yaw : {0.0, 1.5, 3.1})
@@ -225,11 +255,15 @@ TEST_CASE("gather pass: gains and masks agree with the reference implementation"
 }
 
 TEST_CASE("gather pass: a photograph's own pose gives it back, rim included") {
-  const OnDevice device(wall());
-  for (std::size_t n = 0; n < wall().made.scene.nodes.size(); ++n) {
-    const Image8 image = device.image(wall().plan(wall().made.scene.nodes[n].camera));
-    CHECK(psnr(image, wall().made.photographs[n]) > 45);
-    CHECK(largestDifference(image, wall().made.photographs[n]) <= 2);
+  GatherOptions uncertain = wallOptions();
+  uncertain.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
+  for (const GatherStage& stage : {wall(), gatherStage(uncertain)}) {
+    const OnDevice device(stage);
+    for (std::size_t n = 0; n < stage.made.scene.nodes.size(); ++n) {
+      const Image8 image = device.image(stage.plan(stage.made.scene.nodes[n].camera));
+      CHECK(psnr(image, stage.made.photographs[n]) > 45);
+      CHECK(largestDifference(image, stage.made.photographs[n]) <= 2);
+    }
   }
 }
 

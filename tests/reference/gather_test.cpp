@@ -18,6 +18,7 @@ using ibr::reference::Composed;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter of a radian from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
 
 // 8-bit levels, before rounding.
@@ -86,7 +87,8 @@ TEST_CASE("generated scenes to gather from are valid") {
 
 TEST_CASE("gathered: a photograph's own pose gives it back, whatever its depth is") {
   GatherOptions options = wallOptions();
-  const bool wrong = GENERATE(false, true);
+  const bool wrong = GENERATE(false, true), completed = GENERATE(false, true);
+  if (completed) options.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
   if (wrong)
     options.inverseDepth = [](std::size_t node, glm::dvec2, double rho) { return node == 1 ? 1.4 * rho : rho; };
   const GatherStage stage = gatherStage(options);
@@ -94,6 +96,26 @@ TEST_CASE("gathered: a photograph's own pose gives it back, whatever its depth i
     const Composed own = stage.compose(stage.made.scene.nodes[n].camera);
     CHECK(psnr(own.picture, stage.made.photographs[n]) > 45);
     CHECK(shareOf(own, -1) == 0);
+  }
+}
+
+TEST_CASE("gathered: the less certain a surface is, the more coarsely photographs beside the view are read") {
+  double sharper = 1e9;
+  for (const float consensus : {1.0f, 0.5f, 0.25f, 0.0f}) {
+    CAPTURE(consensus);
+    GatherOptions options = wallOptions();
+    for (TexturedPlane& plane : options.planes) plane.wavelength = 0.15;
+    options.evidence = [&](std::size_t, glm::dvec2) { return Evidence{2, consensus}; };
+    const Composed composed = gatherStage(options).compose(kBeside);
+    double energy = 0;
+    for (int y = 0; y < composed.colour.height; ++y)
+      for (int x = 1; x < composed.colour.width; ++x)
+        energy += std::abs(double(composed.colour.pixel(x, y)[1]) - double(composed.colour.pixel(x - 1, y)[1]));
+    if (consensus == 0.5f)
+      CHECK(energy == Approx(sharper).epsilon(0.01));  // opacities differ, what is read does not
+    else
+      CHECK(energy < 0.98 * sharper);
+    sharper = energy;
   }
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The menu of ibr-vr by a scripted hand.
+#include <fmt/format.h>
+
 #include "io/image_file.h"
+#include "shared/draw/picture_record.h"
 #include "vr/walk/spots.h"
 #include "vr_menu_user.h"
 
@@ -126,6 +129,22 @@ TEST_CASE("a picture that is asked for is what ibr render draws; one that cannot
   const json report = json::parse(outcome.out);
   CHECK(report["pictures"].empty());
   CHECK(report["frames"]["frames"] == 20);
+}
+
+TEST_CASE("the menu's composition is turned, and a picture says what drew it") {
+  const TemporaryFolder folder;
+  MenuUser user("", {"--screenshots", folder.path(), "--composition", "cells"});
+  user.visitor().waitForScene();
+  user.pressMenuButton();
+  for (int picture = 1; picture <= 3; ++picture) {
+    user.press("picture");
+    const std::string name = fmt::format("view_{:04}", picture);
+    user.waitUntil([&] { return user.says(name + "_r.png"); });
+    const char* expected[]{"cells", "gathered", "hybrid"};
+    CHECK(app::readRecord(folder / (name + "_l.png")).value().settings.at("composition") == expected[picture - 1]);
+    user.pressOn("settings page", "composition");
+  }
+  CHECK(user.visitor().leave()["pictures"].size() == 6);
 }
 
 TEST_CASE("another scene is gone to while the head is followed; one that cannot be read leads back") {

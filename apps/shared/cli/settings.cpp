@@ -94,7 +94,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
 
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults) {
   declarePictureSettings(app, settings, defaults);
-  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount, "Draw at most N cells, of the hybrid 2");
+  addCount<std::uint32_t>(app, "--cells", settings.maxCells, 1, kLargestCellCount,
+                          "Draw at most N cells, of the hybrid 2");
   addChoice<DrawOrder>(app, "--order", settings.order, {{"ours", DrawOrder::ours}, {"paper", DrawOrder::paper}},
                        "Main cell first with depth, or the paper's back to front without [ours]");
   addChoice<ColourMapping>(

@@ -103,7 +103,7 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
   const Surface* shown = nullptr;
   for (std::size_t l = 0; l < surfaces.count; ++l) {
     const Surface& surface = surfaces.surface[l];
-    const Gathered gathered = gather.at({x + 0.5, y + 0.5}, surface.inverseDepth);
+    const Gathered gathered = gather.at({x + 0.5, y + 0.5}, surface.inverseDepth, surface.uncertainty);
     if (!gathered.known) continue;
     const double opacity = l + 1 == surfaces.count ? 1.0 : surface.opacity;
     const double weight = behind * opacity / (1 + gathered.variance / (kColourSpread * kColourSpread));

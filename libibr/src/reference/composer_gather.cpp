@@ -31,7 +31,7 @@ struct Sight {
 };
 
 std::optional<Sight> sightOf(const PhotographSampler& sampler, glm::dvec2 viewPixel, double inverseDepth,
-                             double detail) {
+                             double uncertainty, double detail) {
   const Candidate& candidate = sampler.candidate();
   const glm::dvec3 ray = sampler.ray(viewPixel), direction = ray + inverseDepth * sampler.shift();
   const std::optional<glm::dvec2> pixel = sampler.pixel(direction);
@@ -49,7 +49,7 @@ std::optional<Sight> sightOf(const PhotographSampler& sampler, glm::dvec2 viewPi
   const double apart = glm::smoothstep(0.0, kOwnPlace, beyond);
   Sight sight{candidate.weight * resolution * resolution * glm::mix(1.0, sampler.border(*pixel), apart) *
                   glm::mix(1.0, visible, apart) / (cost * std::max(apart, kLeastApart)),
-              detail * finer, *pixel, &sampler};
+              std::max(detail * finer, uncertainty * angle * focalPx(candidate.camera.intrinsics)), *pixel, &sampler};
   if (candidate.masked && sight.weight > 0)  // shared/cell.h, maskShare
     sight.weight *= std::clamp(2 * sampler.colour(*pixel, sight.footprint).alpha - 1, 0.0, 1.0);
   return sight;
@@ -62,10 +62,10 @@ Gather::Gather(const Camera& view, std::span<const Candidate> candidates, std::s
   for (const Candidate& candidate : candidates) samplers_.emplace_back(view, candidate);
 }
 
-Gathered Gather::at(glm::dvec2 pixel, double inverseDepth) const {
+Gathered Gather::at(glm::dvec2 pixel, double inverseDepth, double uncertainty) const {
   std::vector<Sight> sights;
   for (const PhotographSampler& sampler : samplers_)
-    if (const auto sight = sightOf(sampler, pixel, inverseDepth, detail_); sight && sight->weight > 0)
+    if (const auto sight = sightOf(sampler, pixel, inverseDepth, uncertainty, detail_); sight && sight->weight > 0)
       sights.push_back(*sight);
   std::ranges::stable_sort(sights, [](const Sight& a, const Sight& b) { return a.weight > b.weight; });
   const double next = sights.size() > colours_ ? sights[colours_].weight : 0.0;

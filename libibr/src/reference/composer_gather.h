@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gather: the colour of a surface is the mean of the photographs that see it best.
+// The gather: the colour of a surface is the mean of the photographs that see it best, each read as coarsely as the
+// surface's uncertain depth moves it.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +25,8 @@ class Gather {
   /// must outlive it.
   Gather(const Camera& view, std::span<const Candidate> candidates, std::size_t colours, double detail);
 
-  /// The surface at ρ (along the view's axis) of a pixel. Thread-safe.
-  Gathered at(glm::dvec2 pixel, double inverseDepth) const;
+  /// The surface at ρ (along the view's axis) of a pixel, which may be off by a share of itself. Thread-safe.
+  Gathered at(glm::dvec2 pixel, double inverseDepth, double uncertainty = 0) const;
 
  private:
   std::vector<PhotographSampler> samplers_;

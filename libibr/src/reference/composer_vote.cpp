@@ -21,6 +21,8 @@ constexpr double kFullConsensus = 0.9;     // consensus from which on a surface 
 constexpr double kCompletedTrust = 0.155;  // trust: a hypothesis below it was completed, not matched; the middle
                                            // between no and one confirmation
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
+constexpr double kSureConsensus = 0.5;     // consensus from which on ρ counts as exact; below it …
+constexpr double kUnsure = 0.1;            // … it may be off by up to this share of itself
 
 // A level of the image pyramid: means of ρ, and how much is known, 0 to 1.
 struct Level {
@@ -101,6 +103,10 @@ std::vector<double> presences(std::span<const Vote> votes, std::span<const doubl
   return present;
 }
 
+double uncertaintyOf(double consensus) {
+  return kUnsure * std::max(0.0, 1 - consensus / kSureConsensus);
+}
+
 // The mean of the hypotheses around one; its opacity as far as it is present.
 Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
   double sum = 0, depth = 0, consensus = 0, completed = 0;
@@ -111,7 +117,9 @@ Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
     consensus += weight * vote.consensus;
     completed += vote.trust < kCompletedTrust ? weight : 0.0;
   }
-  return {depth / sum, std::clamp(consensus / sum / kFullConsensus, 0.0, 1.0), completed > kCompletedShare * sum};
+  consensus /= sum;
+  return {depth / sum, std::clamp(consensus / kFullConsensus, 0.0, 1.0), uncertaintyOf(consensus),
+          completed > kCompletedShare * sum};
 }
 
 }  // namespace
@@ -179,7 +187,7 @@ void fillHoles(std::vector<Surfaces>& pixels, int width, int height) {
   for (std::size_t l = levels.size() - 1; l-- > 0;) push(levels[l + 1], levels[l]);
   for (std::size_t at = 0; at < pixels.size(); ++at)
     if (pixels[at].count == 0) {
-      pixels[at].surface[0] = {levels[0].value[at], 1.0, true};
+      pixels[at].surface[0] = {levels[0].value[at], 1.0, uncertaintyOf(0), true};
       pixels[at].count = 1;
       pixels[at].filled = true;
     }

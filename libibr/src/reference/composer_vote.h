@@ -27,6 +27,7 @@ struct Vote {
 struct Surface {
   double inverseDepth = 0;  // along the view's axis
   double opacity = 1;       // 0 to 1, of what lies behind; of the last surface 1
+  double uncertainty = 0;   // of ρ, a share of it
   bool completed = false;   // most of its weight comes from depth that nobody confirmed
 };
 

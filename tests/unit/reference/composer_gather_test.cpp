@@ -144,6 +144,36 @@ TEST_CASE("finer photographs weigh more, up to half as fine again as the view") 
   }
 }
 
+TEST_CASE("a photograph is read as coarsely as uncertain depth moves it") {
+  // Columns in turn black and white; every smaller level is grey.
+  Photographs photographs;
+  photographs.add(pinholeAt({1, 0, 0}), 0);
+  std::vector<Image8>& levels = photographs.levels(0);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (std::size_t c = 0; c < 3; ++c) levels[0].pixel(x, y)[c] = x % 2 == 0 ? 0 : 255;
+  for (int side = kSide / 2; side >= 1; side /= 2) {
+    levels.emplace_back(side, side, 4, 127);
+    if (side == 1) break;
+  }
+  const Gather gather(pinholeAt({0, 0, 0}), photographs.candidates, 4, 1);
+  const auto contrast = [&](double uncertainty) {
+    const auto at = [&](double x) { return gather.at({x, kMiddle.y}, 0.25, uncertainty).colour.x; };
+    return std::abs(at(40.5) - at(41.5));
+  };
+  // The point is 4 away, the photograph 1 beside: .245 radians at 100 px a radian are 24.5 px.
+  CHECK(contrast(0) == Approx(1).margin(0.01));
+  CHECK(contrast(1 / 24.5) == Approx(1).margin(0.05));      // a texel
+  CHECK(contrast(1.41 / 24.5) == Approx(0.5).margin(0.1));  // half a level coarser
+  CHECK(contrast(2 / 24.5) == Approx(0).margin(0.1));       // a level
+  CHECK(contrast(1) == Approx(0).margin(0.01));
+  // At the photograph's own place nothing moves it.
+  photographs.candidates[0].camera.pose.position = {0, 0, 0};
+  const Gather own(pinholeAt({0, 0, 0}), photographs.candidates, 4, 1);
+  CHECK(own.at({40.5, kMiddle.y}, 0.25, 0.1).colour.x == Approx(0).margin(1e-3));
+  CHECK(own.at({41.5, kMiddle.y}, 0.25, 0.1).colour.x == Approx(1).margin(1e-3));
+}
+
 TEST_CASE("a hidden photograph counts little, one that sees behind the point a quarter") {
   // t' = 2 (2 step + .01 ρ) + residual at ρ = .25
   constexpr double kTolerance = 2 * (2 * kStep + 0.0025) + 0.005;

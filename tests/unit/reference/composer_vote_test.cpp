@@ -3,6 +3,7 @@
 #include "reference/composer_vote.h"
 
 #include <catch2/catch.hpp>
+#include <utility>
 #include <vector>
 
 using namespace ibr;
@@ -34,6 +35,15 @@ TEST_CASE("no votes are no surface, one is its own") {
   CHECK(one.surface[0].opacity == 1);
   CHECK_FALSE(one.surface[0].completed);
   CHECK(one.margin == 1);
+}
+
+TEST_CASE("a surface is as uncertain as its consensus is small, by up to a tenth of its depth") {
+  for (const auto& [consensus, uncertainty] :
+       {std::pair{0.0, 0.1}, {0.1, 0.08}, {0.25, 0.05}, {0.5, 0.0}, {1.0, 0.0}}) {
+    CAPTURE(consensus);
+    CHECK(voted({{0.5, 2, 1, consensus}}).surface[0].uncertainty == Approx(uncertainty).margin(1e-12));
+  }
+  CHECK(voted({{1, 3, 1, 0.4}, {1, 1, 1, 0}}).surface[0].uncertainty == Approx(0.1 * (1 - 0.3 / 0.5)));
 }
 
 TEST_CASE("a surface is the mean of the votes around its peak, by weight and nearness") {
