@@ -73,12 +73,13 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   const float beyond = angle + views[v].candidate[k].distanceCost;
   const float finer = views[v].candidate[k].focalPx * length(ray) / (views[v].focalPx * distance);
   const float resolution = min(finer, kGatherMaxResolution);
-  const float own =
-      views[v].candidate[k].depthScale *
+  const vec2 depth =
       depthTexel(views[v].candidate[k].depthSlot, vec3(sight.at, float(views[v].candidate[k].depthLayer)), 0.0, around)
-          .r;
-  const float tolerance =
-      2.0 * gatherTolerance(views[v].candidate[k].step, here) + views[v].candidate[k].residual;
+          .rg;
+  const float own = views[v].candidate[k].depthScale * depth.r;
+  const float unsure = uncertainty * here + gatherUncertainty(depth.g) * own;
+  const float tolerance = 2.0 * gatherTolerance(views[v].candidate[k].step, here) + views[v].candidate[k].residual +
+                          kGatherUnsureSigmas * unsure;
   const float before = clamp((own - here) / tolerance - 1.0, 0.0, 1.0),
               behind = clamp((here - own) / tolerance - 1.0, 0.0, 1.0);
   const float visible = max((1.0 - before) * (1.0 - (1.0 - kGatherBehind) * behind), kGatherHidden);

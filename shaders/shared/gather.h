@@ -6,7 +6,8 @@
 //            support, times 1 − kernel / .25, at least 0, for each of more support; from front to back it shows
 //            presence · opacity of what those before it leave. The two that show most are the pixel's surfaces
 //   gather   a surface's colour is the mean of the N photographs that see it best, each read as coarsely as the
-//            surface's uncertain depth moves it: by angle · uncertainty / ρ, the angle between the view's ray and its own
+//            surface's uncertain depth moves it: by angle · uncertainty / ρ, the angle between the view's ray and its own.
+//            A photograph's own surface hides another only where their uncertain depths tell them apart
 //
 // All lengths are in units of b, the median spacing of the capture sites; ρ is 1 / length.
 #ifndef IBR_SHARED_GATHER_H
@@ -50,7 +51,8 @@ IBR_CONSTANT float kGatherShare = 0.01f;         // … and a share of ρ
 IBR_CONSTANT float kGatherKnownShare = 0.05f;    // one standard deviation of a confirmed ρ, of itself
 IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust: a hypothesis below it was completed, not matched
 IBR_CONSTANT float kGatherSureConsensus = 0.5f;  // from which on ρ counts as exact; below it …
-IBR_CONSTANT float kGatherUnsure = 0.1f;         // … it may be off by up to this share of itself
+IBR_CONSTANT float kGatherUnsure = 0.1f;         // … it may be off by up to this share of itself: a standard deviation
+IBR_CONSTANT float kGatherUnsureSigmas = 3.0f;   // within so many of both surfaces' nothing is hidden
 
 /// A photograph as one view uses it. "Photograph axes": those of its camera.
 struct GatherCandidate {

@@ -7,9 +7,10 @@
     tests/mutants/run.py --copy build/mutants --list list.md  the table as a page
 
 A fault counts as seen only where the same program passes without it. First the cases that ought to see it are run, then,
-if they do not, all of the program's. Exits with 1 where more than one of 25 is not seen."""
+if they do not, all of the program's. Exits with 1 where more than one is not seen."""
 import argparse
 import contextlib
+import functools
 import pathlib
 import re
 import shutil
@@ -70,12 +71,17 @@ def planted(copy, edits):
             file.write_text(text)
 
 
+@functools.cache
+def failure_without(copy, target, cases):
+    if build(copy, target).returncode != 0:
+        raise SystemExit(f"{target} does not build without a fault")
+    return first_failure(copy, target, cases)
+
+
 def try_mutant(copy, mutant):
     """(seen, by what)"""
     for cases in dict.fromkeys([mutant.cases, ""]):
-        if build(copy, mutant.test).returncode != 0:
-            raise SystemExit(f"{mutant.test} does not build without a fault")
-        without = first_failure(copy, mutant.test, cases)
+        without = failure_without(copy, mutant.test, cases)
         if without == "":
             continue  # no such case
         if without is not None:

@@ -200,6 +200,11 @@ TEST_CASE("gather pass: hypotheses that disagree and are half certain are shown 
       settings.gatherLayers = layers;
       checkAgainstReference(stage, device, stage.plan(std::vector{kBetween}, settings));
     }
+    // A few thousandths of a radian from a photograph, where its border and what hides it come to count.
+    checkAgainstReference(stage, device, stage.plan(cameraAt({0.012, 0.008, 0}, 0, 0, 160, 120)));
+    FramePlan far = stage.plan(kBetween);
+    far.photographs[1].distance = 40;  // as far as .08 radians
+    checkAgainstReference(stage, device, far);
   }
 }
 

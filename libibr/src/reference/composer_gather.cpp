@@ -20,6 +20,7 @@ constexpr double kVisibilityFloor = 0.002;  // a hidden photograph is better tha
 constexpr double kBehindVisibility = 0.25;  // where the photograph's own surface stands behind the point
 constexpr double kOwnPlace = 0.01;          // radians of cost within which hiding and borders stop to count
 constexpr double kLeastApart = 1e-6;        // at a photograph's own pose: it is alone there
+constexpr double kUnsureDeviations = 3;     // within so many of both surfaces' nothing is hidden
 constexpr double kLevels = 255;
 
 // How well a photograph sees a surface.
@@ -42,7 +43,8 @@ std::optional<Sight> sightOf(const PhotographSampler& sampler, glm::dvec2 viewPi
   const double beyond = angle + kDistanceCost * candidate.distance, cost = kAngleFloor + beyond;
   const double finer = sampler.resolution(ray, direction), resolution = std::min(finer, kLargestResolution);
   const double here = sampler.inverseDepth(direction, inverseDepth), own = sampler.ownInverseDepth(*pixel);
-  const double tolerance = 2 * toleranceOf(candidate.step, here) + candidate.residual;
+  const double unsure = uncertainty * here + uncertaintyOf(sampler.ownConsensus(*pixel)) * own;
+  const double tolerance = 2 * toleranceOf(candidate.step, here) + candidate.residual + kUnsureDeviations * unsure;
   const double before = std::clamp((own - here) / tolerance - 1, 0.0, 1.0),
                behind = std::clamp((here - own) / tolerance - 1, 0.0, 1.0);
   const double visible = std::max((1 - before) * (1 - (1 - kBehindVisibility) * behind), kVisibilityFloor);

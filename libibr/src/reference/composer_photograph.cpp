@@ -13,7 +13,7 @@ namespace {
 constexpr double kBorderShare = 0.04;  // of the width, along which a photograph comes and goes
 
 // First channel at a place in px of the map; `around`: a panorama goes around in x.
-double bilinear(const ImageF& map, double x, double y, bool around) {
+double bilinear(const ImageF& map, std::size_t channel, double x, double y, bool around) {
   x -= 0.5;
   y -= 0.5;
   const int left = int(std::floor(x)), top = int(std::floor(y));
@@ -22,7 +22,7 @@ double bilinear(const ImageF& map, double x, double y, bool around) {
     for (int i = 0; i < 2; ++i) {
       const int column =
           around ? ((left + i) % map.width + map.width) % map.width : std::clamp(left + i, 0, map.width - 1);
-      const double value = double(map.pixel(column, std::clamp(top + j, 0, map.height - 1))[0]);
+      const double value = double(map.pixel(column, std::clamp(top + j, 0, map.height - 1))[channel]);
       sum += (i ? x - left : 1 - (x - left)) * (j ? y - top : 1 - (y - top)) * value;
     }
   return sum;
@@ -70,7 +70,14 @@ double PhotographSampler::inverseDepth(const glm::dvec3& direction, double viewI
 double PhotographSampler::ownInverseDepth(glm::dvec2 pixel) const {
   const ImageF& map = *candidate_->depth;
   const glm::dvec2 at = share(candidate_->camera.intrinsics, pixel) * glm::dvec2(map.width, map.height);
-  return candidate_->depthScale * bilinear(map, at.x, at.y, isPanorama());
+  return candidate_->depthScale * bilinear(map, 0, at.x, at.y, isPanorama());
+}
+
+double PhotographSampler::ownConsensus(glm::dvec2 pixel) const {
+  const ImageF& map = *candidate_->depth;
+  if (map.channels < 2) return 1;
+  const glm::dvec2 at = share(candidate_->camera.intrinsics, pixel) * glm::dvec2(map.width, map.height);
+  return bilinear(map, 1, at.x, at.y, isPanorama());
 }
 
 double PhotographSampler::border(glm::dvec2 pixel) const {

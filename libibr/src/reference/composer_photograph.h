@@ -20,7 +20,7 @@ struct Candidate {
   double residual = 0;  // ρ that moves a point by the median reprojection residual over the spacing
   const std::vector<Image8>* levels = nullptr;  // RGBA mip levels; alpha is the mask
   bool masked = false;                          // alpha may be below 255
-  const ImageF* depth = nullptr;                // first channel ρ / depthScale; covers the photograph
+  const ImageF* depth = nullptr;                // ρ / depthScale, consensus; covers the photograph
   double depthScale = 1;                        // 1 / world unit
   glm::dvec3 gain{1};                           // of linear light, red, green, blue
 };
@@ -49,6 +49,9 @@ class PhotographSampler {
 
   /// ρ of the photograph's own surface: bilinear in its depth map.
   double ownInverseDepth(glm::dvec2 pixel) const;
+
+  /// Its consensus, likewise; 1 where the map has ρ alone.
+  double ownConsensus(glm::dvec2 pixel) const;
 
   /// Distance to the photograph's border as a share of the width along which it fades: 0 to 1. 1 of a panorama.
   double border(glm::dvec2 pixel) const;

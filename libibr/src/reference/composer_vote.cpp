@@ -103,10 +103,6 @@ std::vector<double> presences(std::span<const Vote> votes, std::span<const doubl
   return present;
 }
 
-double uncertaintyOf(double consensus) {
-  return kUnsure * std::max(0.0, 1 - consensus / kSureConsensus);
-}
-
 // The mean of the hypotheses around one; its opacity as far as it is present.
 Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
   double sum = 0, depth = 0, consensus = 0, completed = 0;
@@ -126,6 +122,10 @@ Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
 
 double toleranceOf(double step, double inverseDepth) {
   return kStepTolerance * step + kShareTolerance * inverseDepth;
+}
+
+double uncertaintyOf(double consensus) {
+  return kUnsure * std::max(0.0, 1 - consensus / kSureConsensus);
 }
 
 double voteWeight(double photographWeight, double trust, double distance) {

@@ -14,6 +14,9 @@ namespace ibr::reference {
 /// ρ by which two hypotheses may differ and still be the same surface.
 double toleranceOf(double step, double inverseDepth);
 
+/// Share of itself by which a ρ of that consensus may be off, one standard deviation.
+double uncertaintyOf(double consensus);
+
 /// Weight u of a hypothesis. `distance`: of its photograph, spacings.
 double voteWeight(double photographWeight, double trust, double distance);
 

@@ -193,6 +193,28 @@ TEST_CASE("a hidden photograph counts little, one that sees behind the point a q
   CHECK(visibility(0.25 - 2.1 * kTolerance) == Approx(0.25));
 }
 
+TEST_CASE("uncertain depth hides less: what is within three of its standard deviations is seen") {
+  // The second photograph's own surface stands before the point by half of its inverse depth.
+  const auto share = [](float consensus, double uncertainty) {
+    Photographs photographs;
+    photographs.add(pinholeAt({0.5, 0, 0}), 0);
+    photographs.add(pinholeAt({-0.5, 0, 0}), 255, 0.375f);
+    photographs.depth(1) = ImageF(25, 25, 2);
+    for (std::size_t i = 0; i < photographs.depth(1).values.size(); i += 2) {
+      photographs.depth(1).values[i] = 0.375f;
+      photographs.depth(1).values[i + 1] = consensus;
+    }
+    return Gather(pinholeAt({0, 0, 0}), photographs.candidates, 4, 1).at(kMiddle, 0.25, uncertainty).colour.x;
+  };
+  CHECK(share(1, 0) < 0.01);
+  CHECK(share(0.5f, 0) == Approx(share(1, 0)));
+  // 2 (2 · .01 + .0025) + 3 · .1 · .375 = .1575: .125 before is within it.
+  CHECK(share(0, 0) == Approx(0.5).margin(0.01));
+  // 2 (2 · .01 + .0025) + 3 · .05 · .25 = .0825: half hidden between it and twice it.
+  const double visible = 1 - (0.125 / 0.0825 - 1);
+  CHECK(share(1, 0.05) == Approx(visible / (1 + visible)).margin(0.01));
+}
+
 TEST_CASE("a photograph fades along its border, but at its own pose") {
   Photographs photographs;
   photographs.add(pinholeAt({0.5, 0, 0}), 0);
