@@ -219,6 +219,47 @@ TEST_CASE("gather pass: photographs of uncertain surfaces are read as coarsely a
   }
 }
 
+// The negative of a photograph, so that its weight shows wherever it counts.
+void invert(GatherStage& stage, std::size_t node) {
+  Image8 negative = stage.made.photographs[node];
+  for (std::uint8_t& level : negative.values) level = std::uint8_t(255 - level);
+  stage.setPhotograph(node, std::move(negative));
+}
+
+TEST_CASE("gather pass: two surfaces are as certain, and hide as much, as the reference has it", "[P9]") {
+  // A photograph of other colours stands alone with its surface, before or behind that of the others.
+  const auto check = [](const Camera& view, double off, float consensus) {
+    CAPTURE(view.pose.position.x, off, consensus);
+    GatherOptions options = wallOptions();
+    for (TexturedPlane& plane : options.planes) plane.wavelength = 0.15;  // shows how coarsely photographs are read
+    options.inverseDepth = [off](std::size_t node, glm::dvec2, double rho) { return node == 0 ? rho + off : rho; };
+    options.evidence = [consensus](std::size_t node, glm::dvec2) {
+      return node == 0 ? Evidence{0, consensus} : Evidence{1, 0.6f};
+    };
+    GatherStage stage = gatherStage(options);
+    invert(stage, 0);
+    checkAgainstReference(stage, OnDevice(stage), stage.plan(view));
+  };
+  for (const float consensus : {0.0f, 0.6f}) {
+    for (const double off : {-0.1, 0.1, 0.2})  // at .2 it hides unless it is uncertain
+      for (const Camera& view : {kBeside, kBetween}) check(view, off, consensus);
+    check(cameraAt({0.012, 0.008, 0}, 0, 0, 160, 120), 0.1, consensus);  // where its own surface begins to hide
+  }
+}
+
+TEST_CASE("gather pass: shares of the photographs that show a pixel sum to 1") {
+  const FrameBuffers buffers = OnDevice(wall()).buffers(wall().plan(kBetween));
+  std::size_t shared = 0;
+  for (std::size_t p = 0; p < buffers.weights.values.size(); p += 4) {
+    if (std::isinf(buffers.confidence.values[p / 2 + 1])) continue;  // nothing is drawn
+    const float* share = &buffers.weights.values[p];
+    REQUIRE(share[0] + share[1] + share[2] + share[3] == Approx(1).margin(2e-3));
+    REQUIRE(share[0] >= share[1]);
+    shared += share[1] > 0.05f;
+  }
+  CHECK(shared > 1000);
+}
+
 TEST_CASE("gather pass: a vote's code keeps what it is made of") {
   CHECK(shader::gatherIsHole(0));
   for (const bool first : {false, true})
@@ -240,6 +281,14 @@ TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9
   const OnDevice device(room());
   for (const double yaw : {0.0, 1.5, 3.1})
     checkAgainstReference(room(), device, room().plan(cameraAt({0.2, 0.1, 0.1}, yaw, 0.3, 120, 96)));
+  // Its colours are others, so that its weight shows; its depth, too near, hides it in part.
+  GatherOptions options = roomOptions();
+  options.inverseDepth = [](std::size_t node, glm::dvec2, double rho) { return node == 0 ? 1.12 * rho : rho; };
+  GatherStage stage = gatherStage(options);
+  invert(stage, 0);
+  FramePlan plan = stage.plan(cameraAt({0.2, 0.1, 0.1}, 0, 0.1, 120, 96, 1.4));
+  plan.gather.spacing = 8;  // steps so small that depths are told apart
+  checkAgainstReference(stage, OnDevice(stage), plan);
 }
 
 TEST_CASE("gather pass: gains and masks agree with the reference implementation", "[P9]") {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBorderShare = 0.04;  // of the width, along which a photograph comes and goes
 
-// First channel at a place in px of the map; `around`: a panorama goes around in x.
+// A channel at a place in px of the map; `around`: a panorama goes around in x.
 double bilinear(const ImageF& map, std::size_t channel, double x, double y, bool around) {
   x -= 0.5;
   y -= 0.5;
