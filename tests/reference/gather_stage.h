@@ -155,6 +155,10 @@ inline Cell gatherBackdrop(const SyntheticScene& made, std::uint32_t node, const
   return cell;
 }
 
+inline float toHalfAndBack(float value) {
+  return glm::unpackHalf1x16(glm::packHalf1x16(value));
+}
+
 /// The nearest exact ρ of each block of 4 × 4 px, as a texture of half floats holds it. Sets Node::depthScale.
 inline ImageF gatherDepth(SyntheticScene& made, std::size_t node, const GatherOptions& options) {
   constexpr int kBlock = 4;
@@ -178,14 +182,16 @@ inline ImageF gatherDepth(SyntheticScene& made, std::size_t node, const GatherOp
           most = std::max(most, rho);
         }
       depth.pixel(x, y)[0] = float(most);
-      depth.pixel(x, y)[1] = 0.95f;
+      const glm::dvec2 middle(kBlock * (x + 0.5), kBlock * (y + 0.5));
+      depth.pixel(x, y)[1] =
+          toHalfAndBack(options.evidence ? options.evidence(node, middle).consensus : Evidence{}.consensus);
       largest = std::max(largest, most);
     }
   const double scale = largest > 0 ? largest : 1;
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       float& red = depth.pixel(x, y)[0];
-      red = glm::unpackHalf1x16(glm::packHalf1x16(float(double(red) / scale)));
+      red = toHalfAndBack(float(double(red) / scale));
     }
   made.scene.nodes[node].depthScale = scale;
   made.scene.nodes[node].depthFile = "depth/" + made.scene.nodes[node].name + ".ktx2";

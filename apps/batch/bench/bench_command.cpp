@@ -49,17 +49,18 @@ Json number(double value) {
   return std::isnan(value) ? Json(nullptr) : Json(value);
 }
 
-void add(Report& report, const std::string& scene, int cells, const BenchResult& result) {
+void add(Report& report, const std::string& scene, const RenderSettings& settings, const BenchResult& result) {
   for (const WayTimes& times : result.ways) {
     const BenchWay& way = times.way;
     const double median = quantile(times.milliseconds, 0.5), p95 = quantile(times.milliseconds, 0.95);
     const double toPaper = quantile(times.toPaper, 0.5), toUnmapped = quantile(times.toUnmapped, 0.5);
     const double toTwoMono = quantile(times.toTwoMono, 0.5), toWhole = quantile(times.toWhole, 0.5);
     const Json which{{"scene", scene},
-                     {"cells", cells},
+                     {"cells", settings.maxCells},
                      {"drawn", result.drawn},
                      {"triangles", result.triangles},
                      {"way", way.name},
+                     {"composition", wordOf(compositionOf(way, settings))},
                      {"colourMapping", wordOf(way.colour)},
                      {"blend", wordOf(way.blend)},
                      {"views", way.views},
@@ -81,10 +82,10 @@ void add(Report& report, const std::string& scene, int cells, const BenchResult&
                    {"n", milliseconds.size()}});
       report.passes.push_back(pass);
     }
-    report.table.row({scene, std::to_string(cells), std::to_string(result.drawn), std::to_string(result.triangles),
-                      way.name, wordOf(way.colour), wordOf(way.blend), std::to_string(way.views), numberText(median, 1),
-                      numberText(p95, 1), numberText(toPaper, 3), numberText(toUnmapped, 3), numberText(toTwoMono, 3),
-                      numberText(toWhole, 3)});
+    report.table.row({scene, std::to_string(settings.maxCells), std::to_string(result.drawn),
+                      std::to_string(result.triangles), way.name, wordOf(way.colour), wordOf(way.blend),
+                      std::to_string(way.views), numberText(median, 1), numberText(p95, 1), numberText(toPaper, 3),
+                      numberText(toUnmapped, 3), numberText(toTwoMono, 3), numberText(toWhole, 3)});
   }
 }
 
@@ -100,7 +101,7 @@ ExitCode bench(const Options& options, const Context& context) {
   const auto measure = [&](const FrameBench& bench, const std::string& scene, int cells) {
     BenchCase wanted = options.wanted;
     wanted.settings.maxCells = std::uint32_t(cells);
-    add(report, scene, cells, bench.measure(wanted, step));
+    add(report, scene, wanted.settings, bench.measure(wanted, step));
     ++done;
   };
   if (options.generated.empty()) {
@@ -191,13 +192,11 @@ const Command kBenchCommand{
         "ibr bench --matchers cases.json --data photographs --pictures compared",
     .details =
         "Times are the device's, for one frame without the way back to the host. All settings but the order, colour\n"
-        "mapping and blending are the same for all. \"/ paper\" compares with the paper's order without colour\n"
-        "mapping, \"/ unmapped\" with the same order without it, \"/ two\" two views with twice one view, \"/ whole\"\n"
-        "two views without the corners that a headset's lenses hide, 18 % of the pixels, with two whole ones. "
-        "\"drawn\"\n"
-        "is how many cells were in view at most. Colour tables of ours are made in one frame of a few: its time is "
-        "the\n"
-        "mean over these.\n"
+        "mapping and blending are the same for all; the paper's way draws cells, whatever --composition says.\n"
+        "\"/ paper\" compares with the paper's order without colour mapping, \"/ unmapped\" with the same order\n"
+        "without it, \"/ two\" two views with twice one view, \"/ whole\" two views without the corners that a\n"
+        "headset's lenses hide, 18 % of the pixels, with two whole ones. \"drawn\" is how many cells were in view at\n"
+        "most. Colour tables of ours are made in one frame of a few: its time is the mean over these.\n"
         "--formats compares formats of textures and filters instead, in time, memory and picture, against rgba8 with\n"
         "trilinear filters. --walk goes along a camera path as a viewer does: each frame shows what is there.\n"
         "--matchers compares the methods of matching on pairs and cells: FILE lists {\"name\", \"images\"} under\n"

@@ -43,6 +43,7 @@ std::vector<WeightedPlan> plansOf(const BenchSubject& subject, const SceneBounds
                                   const BenchWay& way, const std::vector<Camera>& eyes) {
   FrameInput input{eyes, common};
   input.settings.order = way.order;
+  input.settings.composition = compositionOf(way, common);
   input.settings.colourMapping = way.colour;
   input.settings.blend = way.blend;
   return weightedPlans(subject.scene, bounds, input);
@@ -74,6 +75,7 @@ RendererOptions rendererOptions(const BenchCase& wanted, VkExtent2D extent) {
   RendererOptions options = optionsFor(wanted.settings, extent);
   options.views = wanted.stereo ? 2 : 1;
   options.orders = {DrawOrder::ours, DrawOrder::paper};
+  options.compositions.push_back(Composition::cells);
   if (wanted.settings.blend == BlendMode::blend) options.blends.push_back(BlendMode::dither);
   options.colour = ColourSupport::all;
   return options;
@@ -85,6 +87,10 @@ bool unmapped(const BenchWay& way, const BenchWay& of) {
 }
 
 }  // namespace
+
+Composition compositionOf(const BenchWay& way, const RenderSettings& settings) {
+  return way.order == DrawOrder::paper ? Composition::cells : settings.composition;
+}
 
 std::vector<WeightedPlan> weightedPlans(const Scene& scene, const SceneBounds& bounds, FrameInput input) {
   const RenderSettings& settings = input.settings;

@@ -22,6 +22,8 @@ struct BenchWay {
   std::size_t views;
   bool hidden = false;  // corners that a headset's lenses leave out are not drawn
 };
+/// The paper's way draws cells; ours what the settings name.
+Composition compositionOf(const BenchWay& way, const RenderSettings& settings);
 
 struct WayTimes {
   BenchWay way;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 
 using namespace ibr;
 using Catch::Contains;
@@ -56,6 +57,22 @@ TEST_CASE("bench of a generated scene reports every way's frames and passes", "[
     }
   }
   CHECK(tables == 2);  // one view and two; a single panorama has nothing to map
+}
+
+TEST_CASE("bench compares a scene's composition with the paper's cells") {
+  if (!test::deviceIsThere()) return;
+  for (const std::string composition : {"gathered", "hybrid"}) {
+    const auto outcome = runProgram({"bench", test::tinyScene(), "--composition", composition, "--size", "64x36",
+                                     "--views", "1", "--repeat", "1", "--cells", "5", "--stereo", "--json", "-"});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    const auto report = nlohmann::json::parse(outcome.out);
+    for (const auto& frame : report["frames"])
+      CHECK(frame["composition"] == (frame["way"] == "paper" ? "cells" : composition));
+    bool gathers = false;
+    for (const auto& pass : report["passes"]) gathers |= pass["composition"] == composition && pass["pass"] == "vote";
+    CHECK(gathers);
+  }
 }
 
 TEST_CASE("bench: what is measured must be one of two things") {
