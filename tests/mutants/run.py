@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plants each fault of mutants.py into a copy of the sources, builds, and says which test sees it.
 
-    tests/mutants/run.py --copy build/mutants                 all, a table at the end; takes an hour on two cores
+    tests/mutants/run.py --copy build/mutants                 all, a table at the end; takes an hour and a half on two cores
     tests/mutants/run.py --copy build/mutants --only 4 12     some, by their numbers
     tests/mutants/run.py --copy build/mutants --list list.md  the table as a page
 
