@@ -4,6 +4,7 @@
 //
 // Texture coordinates come from interpolated values alone: a buffer read gives 0 in the helper pixels of some devices
 // (lavapipe), and gradients would be wrong along every edge.
+#include "render/cubic.glsl"
 #include "shared/cell.h"
 #include "shared/panorama.h"
 
@@ -58,12 +59,6 @@ vec2 photographSize(int member) {
   if (member == 1) return vec2(textureSize(photograph1, 0).xy);
   if (member == 2) return vec2(textureSize(photograph2, 0).xy);
   return vec2(textureSize(photograph3, 0).xy);
-}
-
-// Of a texel and the three around it, `t` beyond the second: Catmull-Rom, Keys 1981 with a = −1/2.
-vec4 cubicWeights(float t) {
-  return 0.5 * vec4(t * (t * (2.0 - t) - 1.0), t * t * (3.0 * t - 5.0) + 2.0, t * (t * (4.0 - 3.0 * t) + 1.0),
-                    t * t * (t - 1.0));
 }
 
 vec3 cubic(int slot, vec3 coordinate, bool around) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pixel's colour from the photographs that see its surfaces: what the fragment stages of the gather share.
+#include "render/cubic.glsl"
 #include "render/gather_view.glsl"
 #include "shared/cell.h"
 #include "shared/panorama.h"
@@ -12,6 +13,7 @@ layout(constant_id = 4) const int kDepthSlots = 1;  // of depths
 layout(constant_id = 5) const bool kPanoramas = false;  // a photograph may be one
 layout(constant_id = 6) const bool kExposed = false;    // photographs have gains
 layout(constant_id = 7) const bool kMasked = false;     // photographs have masks
+layout(constant_id = 8) const bool kCubic = false;      // sharper where a photograph is magnified
 
 layout(set = kSetGatherView, binding = kBindingGatherVoted) uniform sampler2D voted;
 layout(set = kSetGatherView, binding = kBindingGatherHoles) uniform sampler2D holes;
@@ -19,24 +21,45 @@ layout(set = kSetGatherTextures, binding = kBindingGatherPhotographs) uniform te
 layout(set = kSetGatherTextures, binding = kBindingGatherDepths) uniform texture2DArray depths[kMaxGathered];
 layout(set = kSetGatherTextures, binding = kBindingGatherSamplers) uniform sampler samplers[2];  // ends, wraps
 
-// Texture arrays are not indexed, since not every device can.
-#define SAMPLE(which, s, at, lod, around)                                                  \
-  (kPanoramas && around ? textureLod(sampler2DArray(which[s], samplers[1]), at, lod)       \
+// Texture arrays are not indexed, since not every device can. OF(s) is an expression of slot s.
+#define IF_SLOT(count, OF, s) \
+  if (count == s + 1 || slot == uint(s)) return OF(s);
+#define OF_SLOTS(count, OF)                                                                              \
+  IF_SLOT(count, OF, 0) IF_SLOT(count, OF, 1) IF_SLOT(count, OF, 2) IF_SLOT(count, OF, 3)                \
+  IF_SLOT(count, OF, 4) IF_SLOT(count, OF, 5) IF_SLOT(count, OF, 6) IF_SLOT(count, OF, 7)                \
+  IF_SLOT(count, OF, 8) IF_SLOT(count, OF, 9) IF_SLOT(count, OF, 10) IF_SLOT(count, OF, 11)              \
+  IF_SLOT(count, OF, 12) IF_SLOT(count, OF, 13) IF_SLOT(count, OF, 14)                                   \
+  return OF(15);
+#define SAMPLED(which, s)                                                            \
+  (kPanoramas && around ? textureLod(sampler2DArray(which[s], samplers[1]), at, lod) \
                         : textureLod(sampler2DArray(which[s], samplers[0]), at, lod))
-#define SAMPLE_SLOT(which, count, s) \
-  if (count > s && slot == uint(s)) return SAMPLE(which, s, at, lod, around);
-#define SAMPLE_SLOTS(which, count)                                                                      \
-  if (count == 1) return SAMPLE(which, 0, at, lod, around);                                             \
-  SAMPLE_SLOT(which, count, 0) SAMPLE_SLOT(which, count, 1) SAMPLE_SLOT(which, count, 2)                \
-  SAMPLE_SLOT(which, count, 3) SAMPLE_SLOT(which, count, 4) SAMPLE_SLOT(which, count, 5)                \
-  SAMPLE_SLOT(which, count, 6) SAMPLE_SLOT(which, count, 7) SAMPLE_SLOT(which, count, 8)                \
-  SAMPLE_SLOT(which, count, 9) SAMPLE_SLOT(which, count, 10) SAMPLE_SLOT(which, count, 11)              \
-  SAMPLE_SLOT(which, count, 12) SAMPLE_SLOT(which, count, 13) SAMPLE_SLOT(which, count, 14)             \
-  SAMPLE_SLOT(which, count, 15)                                                                         \
-  return vec4(0.0);
+#define OF_PHOTOGRAPH(s) SAMPLED(photographs, s)
+#define OF_DEPTH(s) SAMPLED(depths, s)
+#define TEXEL_OF_PHOTOGRAPH(s) texelFetch(sampler2DArray(photographs[s], samplers[0]), at, 0).rgb
+#define SIZE_OF_PHOTOGRAPH(s) textureSize(sampler2DArray(photographs[s], samplers[0]), 0).xy
 
-vec4 photographTexel(uint slot, vec3 at, float lod, bool around) { SAMPLE_SLOTS(photographs, kSlots) }
-vec4 depthTexel(uint slot, vec3 at, float lod, bool around) { SAMPLE_SLOTS(depths, kDepthSlots) }
+vec4 photographAt(uint slot, vec3 at, float lod, bool around) { OF_SLOTS(kSlots, OF_PHOTOGRAPH) }
+vec3 photographTexel(uint slot, ivec3 at) { OF_SLOTS(kSlots, TEXEL_OF_PHOTOGRAPH) }
+ivec2 photographSize(uint slot) { OF_SLOTS(kSlots, SIZE_OF_PHOTOGRAPH) }
+vec4 depthAt(uint slot, vec3 at, float lod, bool around) { OF_SLOTS(kDepthSlots, OF_DEPTH) }
+
+vec3 cubicPhotographAt(uint slot, vec3 coordinate, bool around) {
+  const ivec2 size = photographSize(slot);
+  const vec2 at = coordinate.xy * vec2(size) - 0.5;
+  const ivec2 first = ivec2(floor(at)) - 1;
+  const vec4 across = cubicWeights(fract(at.x)), down = cubicWeights(fract(at.y));
+  vec3 sum = vec3(0.0);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) {
+      ivec2 texelAt = first + ivec2(x, y);
+      if (around) texelAt.x = (texelAt.x + size.x) % size.x;
+      texelAt = clamp(texelAt, ivec2(0), size - 1);
+      sum += across[x] * down[y] * photographTexel(slot, ivec3(texelAt, int(coordinate.z + 0.5)));
+    }
+  return clamp(sum, 0.0, 1.0);
+}
+
+bool goesAround(int k) { return kPanoramas && views[c.view].candidate[k].panorama != 0u; }
 
 /// Where a candidate sees a point, and how well.
 struct Sight {
@@ -50,7 +73,7 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   const uint v = c.view;
   const vec3 shift = views[v].candidate[k].shift, turned = views[v].candidate[k].toPhotograph * ray,
              direction = turned + rho * shift;
-  const bool around = kPanoramas && views[v].candidate[k].panorama != 0u;
+  const bool around = goesAround(k);
   const float distance = length(direction);
   float border = 1.0, here;
   if (around) {
@@ -74,7 +97,7 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   const float finer = views[v].candidate[k].focalPx * length(ray) / (views[v].focalPx * distance);
   const float resolution = min(finer, kGatherMaxResolution);
   const vec2 depth =
-      depthTexel(views[v].candidate[k].depthSlot, vec3(sight.at, float(views[v].candidate[k].depthLayer)), 0.0, around)
+      depthAt(views[v].candidate[k].depthSlot, vec3(sight.at, float(views[v].candidate[k].depthLayer)), 0.0, around)
           .rg;
   const float own = views[v].candidate[k].depthScale * depth.r;
   const float unsure = uncertainty * here + gatherUncertainty(depth.g) * own;
@@ -91,13 +114,22 @@ Sight sightOf(int k, vec3 ray, float rho, float uncertainty) {
   return sight;
 }
 
-vec4 colourOf(int k, vec2 at, float lod) {
+float maskOf(int k, vec2 at, float lod) {
   const uint v = c.view;
-  const bool around = kPanoramas && views[v].candidate[k].panorama != 0u;
-  vec4 colour =
-      photographTexel(views[v].candidate[k].slot, vec3(at, float(views[v].candidate[k].layer)), lod, around);
-  if (kExposed)
-    colour.rgb = exposedColour(colour.rgb, views[v].candidate[k].gain, views[v].candidate[k].slope);
+  const vec3 coordinate = vec3(at, float(views[v].candidate[k].layer));
+  return maskShare(photographAt(views[v].candidate[k].slot, coordinate, lod, goesAround(k)).a);
+}
+
+vec3 colourOf(int k, vec2 at, float lod) {
+  const uint v = c.view, slot = views[v].candidate[k].slot;
+  const vec3 coordinate = vec3(at, float(views[v].candidate[k].layer));
+  const bool around = goesAround(k);
+  vec3 colour = photographAt(slot, coordinate, lod, around).rgb;
+  if (kCubic && lod < 1.0) {  // as far as the finest level shows
+    const vec3 linear = photographAt(slot, coordinate, 0.0, around).rgb;
+    colour += (1.0 - lod) * (cubicPhotographAt(slot, coordinate, around) - linear);
+  }
+  if (kExposed) colour = exposedColour(colour, views[v].candidate[k].gain, views[v].candidate[k].slope);
   return colour;
 }
 
@@ -121,7 +153,7 @@ Gathered gather(vec3 ray, float rho, float uncertainty) {
   for (int k = 0; k < kCandidates; ++k) {
     if (k >= int(views[c.view].count)) break;
     Sight sight = sightOf(k, ray, rho, uncertainty);
-    if (kMasked && sight.weight > 0.0) sight.weight *= maskShare(colourOf(k, sight.at, sight.lod).a);
+    if (kMasked && sight.weight > 0.0) sight.weight *= maskOf(k, sight.at, sight.lod);
     int carried = k;
     for (int i = 0; i <= kColours; ++i)
       if (sight.weight > weight[i]) {
@@ -141,7 +173,7 @@ Gathered gather(vec3 ray, float rho, float uncertainty) {
   for (int i = 0; i < kColours; ++i) {
     const float w = weight[i] - weight[kColours];
     if (!(w > 0.0)) continue;
-    const vec3 colour = colourOf(who[i], at[i], lod[i]).rgb;
+    const vec3 colour = colourOf(who[i], at[i], lod[i]);
     if (i < 4) result.shares[i] = w;
     sum += w;
     mean += w * colour;

@@ -199,5 +199,8 @@ MUTANTS = [
          "shown[0].share / (shown[0].share + shown[1].share)", "shown[0].share"),
         ("all photographs vote alike", "gather_vote.comp", "evidence.x * views[c.view].candidate[i].voteWeight",
          "evidence.x"),
+        ("magnified photographs are not filtered bicubically", "gather.glsl", "if (kCubic && lod < 1.0)",
+         "if (kCubic && lod < 0.0)"),
+        ("bicubic filtering ends in a step", "gather.glsl", "colour += (1.0 - lod) *", "colour +="),
     )),
 ]

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
+#include <random>
 
 #include "gpu/transfer/gpu_image.h"
 #include "gpu/transfer/readback.h"
@@ -101,7 +102,7 @@ class OnDevice {
                                      int firstLevel) { return smallerLevels(encoded(node, format), firstLevel); },
             .budgetBytes = budget,
             .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
-            .filter = TextureFilter::trilinear};
+            .filter = stage_.filter};
   }
 
   const GatherStage& stage_;
@@ -289,6 +290,26 @@ TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9
   FramePlan plan = stage.plan(cameraAt({0.2, 0.1, 0.1}, 0, 0.1, 120, 96, 1.4));
   plan.gather.spacing = 8;  // steps so small that depths are told apart
   checkAgainstReference(stage, OnDevice(stage), plan);
+}
+
+TEST_CASE("gather pass: magnified photographs are filtered bicubically as the reference filters them", "[P9]") {
+  for (const GatherOptions& options : {wallOptions(), roomOptions()}) {
+    GatherStage stage = gatherStage(options);
+    std::mt19937 random(5);
+    for (std::size_t node = 0; node < stage.made.photographs.size(); ++node) {  // fine detail, which filters tell apart
+      Image8 noisy = stage.made.photographs[node];
+      for (std::uint8_t& level : noisy.values) level = std::uint8_t(random() % 256);
+      stage.setPhotograph(node, std::move(noisy));
+    }
+    const Camera near = cameraAt({0.2, 0.1, -0.4}, 0, 0.05, 160, 120, 0.4);
+    const Image8 trilinear = OnDevice(stage).image(stage.plan(near));
+    stage.filter = TextureFilter::bicubic;
+    const OnDevice device(stage);
+    checkAgainstReference(stage, device, stage.plan(near));
+    CHECK(largestDifference(device.image(stage.plan(near)), trilinear) > 3);
+    for (const int width : {100, 140})  // between two mip levels
+      checkAgainstReference(stage, device, stage.plan(cameraAt({0.2, 0.1, 0}, 0, 0.05, width, width)));
+  }
 }
 
 TEST_CASE("gather pass: gains and masks agree with the reference implementation", "[P9]") {

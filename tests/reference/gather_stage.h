@@ -44,6 +44,7 @@ struct GatherStage {
   SyntheticScene made;                        // nodes with a depthFile of no content, backdrops, no cells
   std::vector<std::vector<Image8>> textures;  // RGBA mip levels, by node
   std::vector<ImageF> depths;                 // as Node::depthFile, by node: ρ / depthScale, consensus
+  TextureFilter filter = TextureFilter::trilinear;
 
   /// Replaces a photograph. RGBA becomes a photograph with a mask.
   void setPhotograph(std::size_t node, Image8 photograph) {
@@ -78,7 +79,7 @@ struct GatherStage {
 
   reference::GatherTextures sources() const {
     return {[this](std::size_t node) -> const std::vector<Image8>& { return textures[node]; },
-            [this](std::size_t node) -> const ImageF& { return depths[node]; }};
+            [this](std::size_t node) -> const ImageF& { return depths[node]; }, filter};
   }
   reference::Composed compose(const FramePlan& plan, std::size_t view = 0) const {
     return reference::composeGathered(made.scene, plan, view, sources());

@@ -177,6 +177,7 @@ Candidate candidateOf(const Scene& scene, const FramePlan& plan, const PlannedPh
   candidate.levels = &textures.photograph(planned.node);
   check(!candidate.levels->empty() && candidate.levels->front().channels == 4, ErrorCode::invalidInput,
         "node {}: its texture is empty or not RGBA", planned.node);
+  candidate.cubic = textures.filter == TextureFilter::bicubic;
   candidate.masked = !node.maskFile.empty();
   candidate.depth = &textures.depth(planned.node);
   check(!candidate.depth->empty() && node.depthScale > 0, ErrorCode::invalidInput,

@@ -29,6 +29,7 @@
 #include <vector>
 
 #include "ibr/camera.h"
+#include "ibr/gpu_scene.h"
 #include "ibr/image.h"
 #include "ibr/renderer.h"
 #include "ibr/scene.h"
@@ -51,6 +52,7 @@ struct Composed {
 struct GatherTextures {
   std::function<const std::vector<Image8>&(std::size_t)> photograph;  // RGBA mip levels; alpha is the mask
   std::function<const ImageF&(std::size_t)> depth;                    // as Node::depthFile: red ρ / depthScale
+  TextureFilter filter = TextureFilter::trilinear;                    // or bicubic
 };
 
 /// A view of a plan with Composition::gathered, from the photographs that the plan has. Throws Error{invalidInput} for

@@ -92,8 +92,8 @@ double PhotographSampler::resolution(const glm::dvec3& ray, const glm::dvec3& di
 }
 
 Texel PhotographSampler::colour(glm::dvec2 pixel, double footprint) const {
-  Texel texel =
-      trilinear(*candidate_->levels, share(candidate_->camera.intrinsics, pixel), footprint, isPanorama(), false);
+  Texel texel = trilinear(*candidate_->levels, share(candidate_->camera.intrinsics, pixel), footprint, isPanorama(),
+                          candidate_->cubic);
   if (candidate_->gain != glm::dvec3(1)) texel.colour = exposedColour(texel.colour, candidate_->gain);
   return texel;
 }

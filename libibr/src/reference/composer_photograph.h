@@ -19,6 +19,7 @@ struct Candidate {
   double step = 0;      // ρ that moves a point by 1 px at half the photograph's size over the spacing, > 0
   double residual = 0;  // ρ that moves a point by the median reprojection residual over the spacing
   const std::vector<Image8>* levels = nullptr;  // RGBA mip levels; alpha is the mask
+  bool cubic = false;                           // TextureFilter::bicubic
   bool masked = false;                          // alpha may be below 255
   const ImageF* depth = nullptr;                // ρ / depthScale, consensus; covers the photograph
   double depthScale = 1;                        // 1 / world unit

@@ -34,16 +34,17 @@ constexpr ImageUse kReadBefore{VK_IMAGE_LAYOUT_UNDEFINED, kRead.stages, kRead.ac
 
 struct Constants {  // specialisation constants of the shaders
   std::int32_t candidates, layers, colours, slots, depthSlots;
-  VkBool32 panoramas, exposed, masked;
+  VkBool32 panoramas, exposed, masked, cubic;
 };
-constexpr std::array<VkSpecializationMapEntry, 8> kEntries{{{0, offsetof(Constants, candidates), 4},
+constexpr std::array<VkSpecializationMapEntry, 9> kEntries{{{0, offsetof(Constants, candidates), 4},
                                                             {1, offsetof(Constants, layers), 4},
                                                             {2, offsetof(Constants, colours), 4},
                                                             {3, offsetof(Constants, slots), 4},
                                                             {4, offsetof(Constants, depthSlots), 4},
                                                             {5, offsetof(Constants, panoramas), 4},
                                                             {6, offsetof(Constants, exposed), 4},
-                                                            {7, offsetof(Constants, masked), 4}}};
+                                                            {7, offsetof(Constants, masked), 4},
+                                                            {8, offsetof(Constants, cubic), 4}}};
 
 VkExtent2D scaled(VkExtent2D extent, double scale) {
   const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
@@ -107,7 +108,8 @@ GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass
                             std::int32_t(scene_->gather->depthSlots()),
                             requirements.panoramas > 0,
                             requirements.gains,
-                            requirements.masked > 0};
+                            requirements.masked > 0,
+                            scene_->gather->isCubic()};
   const Specialisation all{kEntries, std::as_bytes(std::span(&constants, 1))};
   vote_ = makeComputePipeline(device, {.name = "vote for depth",
                                        .shader = shaders::gather_vote_comp,

@@ -46,7 +46,8 @@ GatherTextures::GatherTextures(const Device& device, TextureFilter filter, const
       depths_(&depths),
       ends_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE)),
       wraps_(makePhotographSampler(device, filter, VK_SAMPLER_ADDRESS_MODE_REPEAT)),
-      layout_(makeLayout(device)) {
+      layout_(makeLayout(device)),
+      isCubic_(filter == TextureFilter::bicubic) {
   std::vector<VkImageView> views, depthViews;
   const std::uint32_t most = *std::ranges::max_element(nodes);
   slotOf_.resize(most + 1);

@@ -46,6 +46,7 @@ class GatherTextures {
   VkDescriptorSetLayout layout() const noexcept { return layout_.get(); }
   std::uint32_t photographSlots() const noexcept { return photographSlots_; }  // that shaders tell apart
   std::uint32_t depthSlots() const noexcept { return depthSlots_; }
+  bool isCubic() const noexcept { return isCubic_; }  // TextureFilter::bicubic
 
  private:
   struct Slots {
@@ -67,7 +68,7 @@ class GatherTextures {
   std::vector<DescriptorPoolHandle> pools_;
   std::map<Slots, Set> sets_;
   std::vector<VkDescriptorSet> unused_;
-  bool bindsFrames_ = false;
+  bool bindsFrames_ = false, isCubic_;
   std::uint32_t photographSlots_ = 1, depthSlots_ = 1;
   std::vector<std::uint32_t> slotOf_, depthSlotOf_;  // by node, where one set serves all frames
   VkDescriptorSet bound_ = VK_NULL_HANDLE;
