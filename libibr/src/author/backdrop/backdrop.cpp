@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "author/backdrop/complete_depth.h"
 #include "author/cgal/delaunay.h"
@@ -15,7 +17,7 @@ namespace ibr {
 namespace {
 
 constexpr double kAffine = 1.0;       // px of parallax at the step
-constexpr float kStretched = 1.5f;    // change of parallax along an edge, in its length
+constexpr double kStretched = 1.5;    // change of parallax along an edge, in its length
 constexpr float kKnownShare = 0.05f;  // one standard deviation of known values, of themselves
 
 struct Vertex {
@@ -55,6 +57,105 @@ ImageF closedAround(ImageF depth) {
   return depth;
 }
 
+// A mesh of one member as it grows.
+class BackdropMesh {
+ public:
+  BackdropMesh(const Intrinsics& stored, const ImageF& depth, const BackdropOptions& options)
+      : stored_(stored),
+        isPanorama_(stored.model == CameraModel::equirectangular),
+        scale_(double(stored.width) / depth.width, double(stored.height) / depth.height) {
+    const double focalPx =
+        isPanorama_ ? depth.width / (2 * std::numbers::pi) : std::max(stored.fx / scale_.x, stored.fy / scale_.y);
+    parallaxPx_ = options.step * focalPx;
+    cutPx_ = options.cut > 0 ? options.cut * focalPx : parallaxPx_;
+    mesh_.match.resize(1);
+    mesh_.ratio.resize(1);
+  }
+
+  double parallaxPx() const { return parallaxPx_; }  // of inverse depth 1, at the step
+
+  unsigned addPoint(glm::dvec2 at, float depth, bool isKnown) {
+    const glm::dvec2 match = at * scale_;
+    mesh_.match[0].emplace_back(match);
+    mesh_.ratio[0].push_back(1.0f);
+    const double along = isPanorama_ ? 1.0 : -unproject(stored_, match).z;
+    mesh_.inverseDistance.push_back(float(double(depth) * along));
+    mesh_.uncertainty.push_back((isKnown ? kKnownShare : 1.0f) * mesh_.inverseDistance.back());
+    points_.push_back({at, depth, isKnown});
+    return unsigned(points_.size() - 1);
+  }
+
+  void addTriangles() {
+    std::vector<glm::dvec2> places;
+    for (const Point& point : points_) places.push_back(point.at);
+    std::vector<glm::uvec3> open;
+    for (const glm::uvec3& t : delaunayTriangles(places)) {
+      if (!isStretched(t)) {
+        add(t, kTierAgrees);
+      } else if (points_[t[0]].isKnown && points_[t[1]].isKnown && points_[t[2]].isKnown) {
+        split(t);
+      } else {
+        open.push_back(t);
+      }
+    }
+    for (const glm::uvec3& t : open) add(t, kTierRejected);
+  }
+
+  MorphMesh take() && { return std::move(mesh_); }
+
+ private:
+  struct Point {
+    glm::dvec2 at;  // px of the depth's picture
+    float depth;
+    bool isKnown;
+  };
+
+  void add(const glm::uvec3& t, Tier tier) {
+    mesh_.triangles.push_back(t);
+    mesh_.tier.push_back(tier);
+    mesh_.ecc.push_back(1.0f);
+  }
+
+  bool isStretched(const glm::uvec3& t) const {
+    for (int i = 0; i < 3; ++i) {
+      const Point &a = points_[t[i]], &b = points_[t[(i + 1) % 3]];
+      const double change = cutPx_ * std::abs(double(a.depth) - double(b.depth));
+      if (change > kStretched * glm::distance(a.at, b.at)) return true;
+    }
+    return false;
+  }
+
+  // The middle of an edge, at the depth of its end `side`.
+  unsigned halfway(unsigned side, unsigned other) {
+    const auto [it, isNew] = halfway_.try_emplace({side, other}, 0u);
+    const Point &a = points_[side], &b = points_[other];
+    if (isNew) it->second = addPoint(0.5 * (a.at + b.at), a.depth, a.isKnown);
+    return it->second;
+  }
+
+  // Both surfaces go on to the middle between them.
+  void split(const glm::uvec3& t) {
+    const auto difference = [&](int i) {
+      return std::abs(points_[t[(i + 1) % 3]].depth - points_[t[(i + 2) % 3]].depth);
+    };
+    int apart = 0;  // the corner whose depth is not that of the two others
+    for (const int i : {1, 2})
+      if (difference(i) < difference(apart)) apart = i;
+    const unsigned a = t[apart], b = t[(apart + 1) % 3], c = t[(apart + 2) % 3];
+    add({a, halfway(a, b), halfway(a, c)}, kTierAgrees);
+    add({halfway(b, a), b, c}, kTierAgrees);
+    add({halfway(b, a), c, halfway(c, a)}, kTierAgrees);
+  }
+
+  const Intrinsics& stored_;
+  bool isPanorama_;
+  glm::dvec2 scale_;  // px of the stored photograph a px of the depth's picture
+  double parallaxPx_, cutPx_;
+  MorphMesh mesh_;
+  std::vector<Point> points_;
+  std::map<std::pair<unsigned, unsigned>, unsigned> halfway_;
+};
+
 }  // namespace
 
 glm::ivec2 backdropSize(const Intrinsics& stored) {
@@ -70,49 +171,15 @@ CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const I
 
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const ImageF& depth,
                        const BackdropOptions& options) {
-  const Intrinsics& k = stored.intrinsics;
-  const bool panorama = k.model == CameraModel::equirectangular;
+  const bool panorama = stored.intrinsics.model == CameraModel::equirectangular;
   const ImageF completed = panorama ? closedAround(depth) : depth;
-  const glm::dvec2 scale(double(k.width) / completed.width, double(k.height) / completed.height);
-  const double focalPx = panorama ? completed.width / (2 * std::numbers::pi) : std::max(k.fx / scale.x, k.fy / scale.y);
-  const double parallaxPx = options.step * focalPx;  // of inverse depth 1
-  const double cutPx = options.cut > 0 ? parallaxPx * options.cut / options.step : parallaxPx;
-  const std::vector<Vertex> vertices = pickVertices(completed, parallaxPx, options.spacing);
+  BackdropMesh mesh(stored.intrinsics, completed, options);
+  for (const Vertex& vertex : pickVertices(completed, mesh.parallaxPx(), options.spacing))
+    mesh.addPoint(vertex.at, completed.pixel(vertex.pixel.x, vertex.pixel.y)[0],
+                  inverseDepth.pixel(vertex.pixel.x, vertex.pixel.y)[0] >= 0);
+  mesh.addTriangles();
 
-  CellMesh result;
-  MorphMesh& mesh = result.mesh;
-  mesh.match.resize(1);
-  mesh.ratio.resize(1);
-  std::vector<glm::dvec2> places;
-  std::vector<bool> isKnown;
-  std::vector<float> parallax;
-  for (const Vertex& vertex : vertices) {
-    const glm::dvec2 match = vertex.at * scale;
-    const glm::dvec3 ray = unproject(k, match);
-    const float w = completed.pixel(vertex.pixel.x, vertex.pixel.y)[0];
-    places.push_back(vertex.at);
-    mesh.match[0].emplace_back(match);
-    mesh.ratio[0].push_back(1.0f);
-    mesh.inverseDistance.push_back(float(panorama ? double(w) : double(w) * -ray.z));
-    isKnown.push_back(inverseDepth.pixel(vertex.pixel.x, vertex.pixel.y)[0] >= 0);
-    mesh.uncertainty.push_back((isKnown.back() ? kKnownShare : 1.0f) * mesh.inverseDistance.back());
-    parallax.push_back(float(cutPx * double(w)));
-  }
-  const auto stretched = [&](const glm::uvec3& t) {
-    for (int i = 0; i < 3; ++i) {
-      const unsigned a = t[i], b = t[(i + 1) % 3];
-      if (std::abs(parallax[a] - parallax[b]) > kStretched * float(glm::distance(places[a], places[b]))) return true;
-    }
-    return false;
-  };
-  const std::vector<glm::uvec3> triangles = delaunayTriangles(places);
-  for (const Tier tier : {kTierAgrees, kTierRejected})
-    for (const glm::uvec3& t : triangles) {
-      if (stretched(t) != (tier == kTierRejected)) continue;
-      mesh.triangles.push_back(t);
-      mesh.tier.push_back(tier);
-      mesh.ecc.push_back(1.0f);
-    }
+  CellMesh result{std::move(mesh).take(), {}};
   const auto count =
       std::count_if(inverseDepth.values.begin(), inverseDepth.values.end(), [](float w) { return w >= 0; });
   result.quality.coverage = double(count) / double(inverseDepth.values.size());

@@ -11,6 +11,7 @@
 #include "author/build/backdrop_maker.h"
 #include "author/build/build_cost.h"
 #include "author/build/cell_maker.h"
+#include "author/build/depth_matcher.h"
 #include "author/build/find_movers.h"
 #include "author/build/machine_speed.h"
 #include "author/build/own_tracks.h"
@@ -110,7 +111,7 @@ class Predictor {
       work_.backdropPixels += double(size.x) * size.y;
       const glm::ivec2 texels = depthTextureSize(size, k.width);
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
-      depths_ += kDepthBytesPerPixel * size.x * size.y;
+      depths_ += (kDepthBytesPerPixel + kHeldBytesPerPixel) * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
       if (!isPanorama(photo)) sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * size.x * size.y);
     }
@@ -213,7 +214,7 @@ class Predictor {
   // Bytes of one job, at most.
   double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0, completing_ = 0;
   double kept_ = 0;    // bytes of all meshes
-  double depths_ = 0;  // bytes of all photographs' depth and evidence
+  double depths_ = 0;  // bytes of all photographs' depth and evidence, and the pictures that it is found in
   BuildPrediction made_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "author/backdrop/backdrop.h"
 #include "author/depth/depth_sources.h"
+#include "author/depth/refined_depth.h"
 #include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
 #include "author/jobs/kept_file.h"
@@ -16,8 +17,10 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 1;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 2;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
+constexpr int kFiner = 2;               // sides of the pictures that depth is refined in, in the depth's
+constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
 glm::ivec2 sweptSize(const Intrinsics& stored) {
   const Intrinsics matched = matchedCamera({stored, {}}).intrinsics;
@@ -38,7 +41,7 @@ std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
   if (!bytes) return std::nullopt;
   KeptReader in(std::move(*bytes));
   const int width = in.value<int>(), height = in.value<int>();
-  SweptDepth depth{ImageF(width, height, 1), Image8(width, height, 1)};
+  SweptDepth depth{ImageF(width, height, 1), Image8(width, height, 1), 0};
   depth.inverseDepth.values = in.list<float>();
   depth.sky.values = in.list<std::uint8_t>();
   return depth;
@@ -46,8 +49,21 @@ std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
 
 }  // namespace
 
+SweepView DepthMatcher::Picture::view() const {
+  SweepView view{camera, ImageF(grey.width, grey.height, 1), mask};
+  std::ranges::copy(grey.values, view.grey.values.begin());
+  return view;
+}
+
+DepthMatcher::Picture DepthMatcher::pictureOf(const Photograph& photograph, const Image8& colours, glm::ivec2 size,
+                                              int window) {
+  return {{resized(photograph.camera.intrinsics, size.x, size.y), photograph.camera.pose},
+          greyOf(shrunk(colours, size.x, size.y)),
+          widenedMask(resizedMask(storedMask(photograph), size.x, size.y), window)};
+}
+
 DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs)
-    : input_(input), options_(options), small_(input.photographs.size()) {
+    : input_(input), options_(options), small_(input.photographs.size()), fine_(small_.size()) {
   double bytes = 0;
   for (const Photograph& photo : input.photographs) {
     cameras_.push_back(photo.camera);
@@ -56,10 +72,11 @@ DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options,
   jobs.runAll("reading photographs", small_.size(), bytes, [&](std::size_t i) {
     const Photograph& photo = input_.photographs[i];
     if (isPanorama(photo)) return;
-    const glm::ivec2 size = sweptSize(photo.camera.intrinsics);
-    small_[i] = {{resized(photo.camera.intrinsics, size.x, size.y), photo.camera.pose},
-                 greyOf(shrunk(loadPhotograph(photo), size.x, size.y)),
-                 widenedMask(resizedMask(storedMask(photo), size.x, size.y), kSweptWindow)};
+    const Intrinsics& stored = photo.camera.intrinsics;
+    const glm::ivec2 size = sweptSize(stored), whole(stored.width, stored.height);
+    const Image8 colours = loadPhotograph(photo);
+    small_[i] = pictureOf(photo, colours, size, kSweptWindow);
+    fine_[i] = pictureOf(photo, colours, glm::min(kFiner * size, whole), kRefinedWindow);
   });
 }
 
@@ -84,22 +101,20 @@ std::optional<SweptDepth> DepthMatcher::match(std::uint32_t photograph) const {
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(photograph, sources, tracks), kKind);
   if (auto kept = fetchDepth(file)) return kept;
-  const auto viewOf = [&](std::uint32_t i) {
-    const Small& small = small_[i];
-    SweepView view{small.camera, ImageF(small.grey.width, small.grey.height, 1), small.mask};
-    std::ranges::copy(small.grey.values, view.grey.values.begin());
-    return view;
+  const auto viewsIn = [&](const std::vector<Picture>& pictures) {
+    std::vector<SweepView> views;
+    for (const std::uint32_t j : sources) views.push_back(pictures[j].view());
+    return views;
   };
-  std::vector<SweepView> views;
-  for (const std::uint32_t j : sources) views.push_back(viewOf(j));
-  SweptDepth depth = sweptDepth(viewOf(photograph), views, std::move(tracks));
+  SweptDepth depth = sweptDepth(small_[photograph].view(), viewsIn(small_), std::move(tracks));
+  refineDepth(depth, fine_[photograph].view(), viewsIn(fine_));
   storeDepth(file, depth);
   return depth;
 }
 
 double DepthMatcher::bytesToMatch() const {
   double most = 0;
-  for (const Small& small : small_) most = std::max(most, double(small.grey.values.size()));
+  for (const Picture& small : small_) most = std::max(most, double(small.grey.values.size()));
   return kSweptBytesPerPixel * most;
 }
 

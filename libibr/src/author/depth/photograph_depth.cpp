@@ -48,8 +48,11 @@ Camera sizedAs(const Camera& stored, glm::ivec2 size) {
   return {resized(stored.intrinsics, size.x, size.y), stored.pose};
 }
 
+bool isPanorama(const Intrinsics& intrinsics) {
+  return intrinsics.model == CameraModel::equirectangular;
+}
 bool isPanorama(const Camera& camera) {
-  return camera.intrinsics.model == CameraModel::equirectangular;
+  return isPanorama(camera.intrinsics);
 }
 
 double pxARadian(const Intrinsics& k) {
@@ -116,8 +119,21 @@ ImageF completedAround(const ImageF& kept, const Image8& colours) {
   return result;
 }
 
-int nearestPixel(double at, int side) {
-  return std::clamp(int(std::floor(at)), 0, side - 1);
+// The pixel whose depth a vertex has: the nearest one, unless that is of another surface, as where a triangle was
+// split.
+glm::ivec2 pixelOfDepth(const ImageF& map, glm::dvec2 at, double inverseDepth) {
+  constexpr int kReach = 3;  // px: half the diagonal of the finest blocks of vertices
+  constexpr double kSame = 1e-5;
+  const auto difference = [&](glm::ivec2 pixel) {
+    return std::abs(double(map.pixel(pixel.x, pixel.y)[0]) - inverseDepth);
+  };
+  const glm::ivec2 last(map.width - 1, map.height - 1), nearest = glm::clamp(glm::ivec2(glm::floor(at)), {0, 0}, last);
+  glm::ivec2 best = nearest;
+  if (difference(best) <= kSame * inverseDepth) return best;
+  for (int y = std::max(nearest.y - kReach, 0); y <= std::min(nearest.y + kReach, last.y); ++y)
+    for (int x = std::max(nearest.x - kReach, 0); x <= std::min(nearest.x + kReach, last.x); ++x)
+      if (difference({x, y}) < difference(best)) best = {x, y};
+  return best;
 }
 
 }  // namespace
@@ -190,14 +206,16 @@ CompletedDepth completed(const PhotographDepth& depth, const Image8& colours) {
 void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth& depth) {
   check(mesh.memberCount() == 1, ErrorCode::invalidInput, "evidence is added to backdrops, not to a mesh of {} members",
         mesh.memberCount());
-  const Image8& counts = depth.confirmations;
+  const ImageF& map = depth.maps.inverseDepth;
+  const glm::dvec2 scale(double(map.width) / stored.width, double(map.height) / stored.height);
   mesh.confirmations.clear();
   mesh.consensus.clear();
-  for (const glm::vec2 match : mesh.match[0]) {
-    const int x = nearestPixel(double(match.x) * counts.width / stored.width, counts.width),
-              y = nearestPixel(double(match.y) * counts.height / stored.height, counts.height);
-    mesh.confirmations.push_back(counts.pixel(x, y)[0]);
-    mesh.consensus.push_back(depth.maps.consensus.pixel(x, y)[0]);
+  for (std::size_t i = 0; i < mesh.pointCount(); ++i) {
+    const glm::dvec2 match = mesh.match[0][i];
+    const double along = isPanorama(stored) ? 1.0 : -unproject(stored, match).z;
+    const glm::ivec2 pixel = pixelOfDepth(map, match * scale, double(mesh.inverseDistance[i]) / along);
+    mesh.confirmations.push_back(depth.confirmations.pixel(pixel.x, pixel.y)[0]);
+    mesh.consensus.push_back(depth.maps.consensus.pixel(pixel.x, pixel.y)[0]);
   }
 }
 

@@ -63,8 +63,8 @@ struct CompletedDepth {
 /// `colours`: RGB, of the map's size.
 CompletedDepth completed(const PhotographDepth& depth, const Image8& colours);
 
-/// Sets confirmations and consensus of a backdrop's vertices from the nearest pixel. `stored`: the photograph's
-/// intrinsics, in whose px the matches are.
+/// Sets confirmations and consensus of a backdrop's vertices from the nearest pixel of their depth. `stored`: the
+/// photograph's intrinsics, in whose px the matches are.
 void addEvidence(MorphMesh& mesh, const Intrinsics& stored, const CompletedDepth& depth);
 
 }  // namespace ibr

@@ -290,7 +290,7 @@ SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> so
   const Levels levels = levelsOf(photograph, sources, std::move(trackInverseDepths));
   const CostVolume volume = costsOf(photograph, sources, levels);
   const SemiGlobalMatch match = semiGlobalMatch(volume);
-  SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1)};
+  SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1), float(levels.step)};
   Image8 cost(width, height, 1);
   for (std::size_t p = 0; p < pixels; ++p) {
     const double level = std::clamp(double(match.level.values[p]), 0.0, double(levels.count - 1));

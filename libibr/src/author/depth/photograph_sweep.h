@@ -17,11 +17,12 @@
 
 namespace ibr {
 
-/// One channel each, of the photograph's size.
+/// Maps of one channel each, of the photograph's size.
 struct SweptDepth {
   ImageF inverseDepth;  // ρ, 1 / world unit, along the photograph's axis; 0 in the sky; kUnknownDepth where the
                         // photograph is masked, or its depth costs more than where no source sees it
   Image8 sky;           // 255 where infinity explains the picture (sky.h), else 0
+  float level = 0;      // ρ from one level of the sweep to the next
 };
 
 /// `photograph` and `sources` at about half their size, their masks widened by kSweptWindow. `trackInverseDepths`: of

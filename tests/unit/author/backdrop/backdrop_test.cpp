@@ -227,30 +227,50 @@ TEST_CASE("a panorama's vertices stand at the distance along their rays") {
   }
 }
 
-TEST_CASE("what other photographs may show behind an edge of depth is drawn before what is stretched over it") {
-  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 256, 192);
+// A near surface on the left of column 100, a far one on its right.
+ImageF depthEdge() {
   ImageF depth(256, 192, 1, 0.1f);
   for (int y = 0; y < 192; ++y)
     for (int x = 0; x < 100; ++x) depth.pixel(x, y)[0] = 1.0f;
-  const CellMesh backdrop = buildBackdrop(camera, depth, speckled(256, 192), {.step = 1.0, .spacing = 8});
+  return depth;
+}
+
+TEST_CASE("both surfaces at a known edge of depth go on to the middle between them") {
+  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 256, 192);
+  const CellMesh backdrop = buildBackdrop(camera, depthEdge(), speckled(256, 192), {.step = 1.0, .spacing = 8});
   checkClosed(camera, backdrop);
   const MorphMesh& mesh = backdrop.mesh;
-  const std::size_t first = mesh.tier0Count();
-  CHECK(first > mesh.triangles.size() / 2);
-  REQUIRE(first < mesh.triangles.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const glm::uvec3 v = mesh.triangles[t];
-    const auto [low, high] = std::minmax({mesh.match[0][v.x].x, mesh.match[0][v.y].x, mesh.match[0][v.z].x});
-    CHECK((low < 100 && high > 100) == (t >= first));
+  CHECK(mesh.tier0Count() == mesh.triangles.size());
+  const auto isNear = [&](std::uint32_t v) {
+    const double w = double(mesh.inverseDistance[v]) / -unproject(camera.intrinsics, mesh.match[0][v]).z;
+    CHECK((w == Approx(1.0) || w == Approx(0.1)));
+    return w > 0.5;
+  };
+  float lastNear = 0, firstFar = 256;
+  for (const glm::uvec3& t : mesh.triangles) {
+    REQUIRE(isNear(t.x) == isNear(t.y));
+    REQUIRE(isNear(t.x) == isNear(t.z));
+    for (const std::uint32_t v : {t.x, t.y, t.z}) {
+      const float x = mesh.match[0][v].x;
+      if (isNear(v)) lastNear = std::max(lastNear, x);
+      if (!isNear(v)) firstFar = std::min(firstFar, x);
+    }
   }
-  // So it is where depth was completed, if it changes as much.
+  CHECK(lastNear == Approx(100).margin(8));
+  CHECK(firstFar == Approx(100).margin(8));
+}
+
+TEST_CASE("triangles that are stretched over completed depth are drawn last, and closed") {
+  const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 256, 192);
   for (const auto& [from, cut] : {std::pair{60, false}, {200, true}}) {
     CAPTURE(from);
-    ImageF holed = depth;
+    ImageF holed = depthEdge();
     for (int y = 0; y < 192; ++y)
       for (int x = 0; x < 256; ++x) holed.pixel(x, y)[0] = x < from ? 1.0f : x < 250 ? kUnknownDepth : 0.1f;
     const CellMesh guessed = buildBackdrop(camera, holed, speckled(256, 192), {.step = 1.0, .spacing = 8});
+    checkClosed(camera, guessed);
     CHECK((guessed.mesh.tier0Count() < guessed.mesh.triangles.size()) == cut);
+    CHECK(std::ranges::is_sorted(guessed.mesh.tier));
   }
 }
 

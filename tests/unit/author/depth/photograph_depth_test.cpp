@@ -240,6 +240,22 @@ TEST_CASE("what was matched for a photograph comes before what its cells have, a
   CHECK(valueAt(depths[0].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
 }
 
+TEST_CASE("a vertex whose depth is that of a surface beside it has the evidence of that surface") {
+  CompletedDepth depth = uniform(8, 1);
+  for (int x = 0; x < 8; ++x) {
+    depth.maps.inverseDepth.pixel(x, 0)[0] = x < 4 ? 0.25f : 1.0f;
+    depth.confirmations.pixel(x, 0)[0] = x < 4 ? 2 : 7;
+  }
+  const Intrinsics stored = pinholeFromFov(80, 10, 0.2);
+  const glm::vec2 edge(41, 5);
+  MorphMesh mesh;
+  mesh.match = {{edge, edge}};
+  mesh.ratio = {{1, 1}};
+  for (const double w : {0.25, 1.0}) mesh.inverseDistance.push_back(float(w * -unproject(stored, edge).z));
+  addEvidence(mesh, stored, depth);
+  CHECK(mesh.confirmations == std::vector<std::uint8_t>{2, 7});
+}
+
 TEST_CASE("a vertex of a backdrop has the evidence of the nearest pixel") {
   CompletedDepth depth = uniform(4, 2);
   depth.confirmations.values = {0, 1, 2, 3, 4, 5, 6, 7};
