@@ -12,7 +12,7 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
-constexpr double kDepth = 9500, kConfirm = 400;                // a pixel of the depth maps
+constexpr double kDepth = 13000, kConfirm = 400;               // a pixel of the depth maps
 constexpr double kObservation = 150e-6;                        // of a point, while poses are refined
 constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
 constexpr double kJudged = 500, kJudge = 1300;

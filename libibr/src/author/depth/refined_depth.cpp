@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,17 @@ constexpr float kUnlike = 1;                       // cost from which on a sourc
 constexpr std::array kMoves{0.35f, 0.18f, 0.09f};  // of a level, by scan
 constexpr float kTurn = 0.25f;                     // change of slope a fine px, of a scan's move
 constexpr float kSurface = 1.5f;                   // levels between neighbours of one surface
+constexpr float kSame = 0.02f;                     // levels by which planes differ that are not told apart
 constexpr float kLeastGain = 0.004f, kMostCost = 0.42f;
 constexpr int kCostRadius = 2;
+
+// Where the samples of a patch are, in its spacing from its middle.
+constexpr std::array<float, kSamples> offsets(bool down) {
+  std::array<float, kSamples> result{};
+  for (std::size_t k = 0; k < kSamples; ++k) result[k] = float(int(down ? k / kSide : k % kSide) - kSide / 2);
+  return result;
+}
+constexpr std::array<float, kSamples> kAcross = offsets(false), kDown = offsets(true);
 
 struct Plane {
   float inverseDepth;  // in the middle of the pixel
@@ -67,10 +77,9 @@ float costIn(const Source& source, const Patch& patch, const Plane& plane) {
   if (!(middle.z > kHalf * (std::abs(right.z) + std::abs(down.z)))) return 2;
   std::array<float, kSamples> u, v, value;
   for (std::size_t k = 0; k < kSamples; ++k) {
-    const float i = float(k % kSide) - kHalf, j = float(k / kSide) - kHalf;
-    const float z = middle.z + i * right.z + j * down.z;
-    u[k] = (middle.x + i * right.x + j * down.x) / z - 0.5f;
-    v[k] = (middle.y + i * right.y + j * down.y) / z - 0.5f;
+    const float z = 1 / (middle.z + kAcross[k] * right.z + kDown[k] * down.z);
+    u[k] = (middle.x + kAcross[k] * right.x + kDown[k] * down.x) * z - 0.5f;
+    v[k] = (middle.y + kAcross[k] * right.y + kDown[k] * down.y) * z - 0.5f;
   }
   const ImageF& grey = source.view->grey;
   const float wide = float(grey.width - 1), high = float(grey.height - 1);
@@ -193,18 +202,22 @@ class Refiner {
     Agreeing& agreeing = agreeing_[p];
     agreeing.count = std::uint8_t(std::min(costs.size(), kAgreeing));
     for (std::size_t k = 0; k < agreeing.count; ++k) agreeing.who[k] = costs[k].second;
-    if (agreeing.count > 0) cost_[p] = costOf(agreeing, patch, planes_[p]);
+    if (agreeing.count > 0) cost_[p] = costOf(agreeing, patch, planes_[p], std::numeric_limits<float>::infinity());
   }
 
-  float costOf(const Agreeing& agreeing, const Patch& patch, const Plane& plane) const {
+  // `most`: where the cost is certainly more, something above it is enough.
+  float costOf(const Agreeing& agreeing, const Patch& patch, const Plane& plane, float most) const {
+    const std::size_t better = (2 * std::size_t(agreeing.count) + 2) / 3, left = agreeing.count - better;
     std::array<float, kAgreeing> ascending{};
     for (std::size_t k = 0; k < agreeing.count; ++k) {
       float cost = costIn(sources_[agreeing.who[k]], patch, plane);
       for (std::size_t i = 0; i < k; ++i)
         if (cost < ascending[i]) std::swap(cost, ascending[i]);
       ascending[k] = cost;
+      float least = 0;  // of what is among the better whatever follows
+      for (std::size_t i = 0; i + left <= k; ++i) least += ascending[i];
+      if (least > most * float(better)) return least / float(better);
     }
-    const std::size_t better = (2 * std::size_t(agreeing.count) + 2) / 3;
     float sum = 0;
     for (std::size_t k = 0; k < better; ++k) sum += ascending[k];
     return sum / float(better);
@@ -215,16 +228,16 @@ class Refiner {
     const Patch patch = patchAt(x, y);
     const auto attempt = [&](const Plane& plane) {
       if (!(plane.inverseDepth >= 0)) return;
-      if (const float cost = costOf(agreeing_[p], patch, plane); cost < cost_[p] - kLeastGain) {
-        cost_[p] = cost;
-        planes_[p] = plane;
-      }
+      const float most = cost_[p] - kLeastGain, cost = costOf(agreeing_[p], patch, plane, most);
+      if (!(cost < most)) return;
+      cost_[p] = cost;
+      planes_[p] = plane;
     };
     const auto continued = [&](int u, int v) {
       if (!isInside(u, v) || !isRefined(u, v)) return;
       Plane plane = planes_[at(u, v)];
       plane.inverseDepth += glm::dot(plane.slope, scale_ * glm::vec2(x - u, y - v));
-      attempt(plane);
+      if (!isSame(plane, planes_[p])) attempt(plane);
     };
     continued(x + before, y);
     continued(x, y + before);
@@ -232,6 +245,11 @@ class Refiner {
     for (const float way : {-move, move}) attempt({planes_[p].inverseDepth + way, planes_[p].slope});
     attempt(
         {planes_[p].inverseDepth, planes_[p].slope + kTurn * move * glm::vec2(noise(p, scan, 0), noise(p, scan, 1))});
+  }
+
+  bool isSame(const Plane& a, const Plane& b) const {
+    const float turned = float(kApart) * (std::abs(a.slope.x - b.slope.x) + std::abs(a.slope.y - b.slope.y));
+    return std::abs(a.inverseDepth - b.inverseDepth) + turned < kSame * level_;
   }
 
   float meanCost(int x, int y) const {
