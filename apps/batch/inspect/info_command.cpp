@@ -12,6 +12,7 @@
 #include "base/file.h"
 #include "batch/command.h"
 #include "batch/inspect/advice_report.h"
+#include "batch/inspect/depth_pictures.h"
 #include "batch/inspect/model_info.h"
 #include "batch/inspect/unused_photographs.h"
 #include "batch/pictures/picture_info.h"
@@ -30,9 +31,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, svg, advicePoses;
+  std::string scene, svg, advicePoses, depth;
   bool explain = false, advice = false;
 
+  bool isForScenes() const { return explain || !depth.empty() || wantsAdvice(); }
   bool wantsAdvice() const { return advice || !svg.empty() || !advicePoses.empty(); }
 };
 
@@ -175,13 +177,13 @@ void writePosesToAdd(const std::string& file, const CaptureAdvice& advice, const
 
 ExitCode showScene(const Options& options, const Context& context) {
   if (isImageFile(options.scene)) {
-    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
-          "{} is a picture: --explain, --advice and --svg are for scenes", options.scene);
+    check(!options.isForScenes(), ErrorCode::unsupported,
+          "{} is a picture: --explain, --advice, --svg and --depth are for scenes", options.scene);
     return showPicture(options.scene, context);
   }
   if (const auto kind = assetKind(options.scene); kind && *kind != AssetKind::scene) {
-    check(!options.explain && !options.wantsAdvice(), ErrorCode::unsupported,
-          "{} is no scene: --explain, --advice and --svg are for scenes", options.scene);
+    check(!options.isForScenes(), ErrorCode::unsupported,
+          "{} is no scene: --explain, --advice, --svg and --depth are for scenes", options.scene);
     return *kind == AssetKind::htmModel ? showModel(options.scene, context) : showSequence(options.scene, context);
   }
   const Scene scene = loadScene(options.scene);
@@ -290,6 +292,11 @@ ExitCode showScene(const Options& options, const Context& context) {
     writeFile(options.svg, graphSvg(scene, advice));
     context.say(LogLevel::info, "the graph is drawn in {}", options.svg);
   }
+  if (!options.depth.empty()) {
+    const std::size_t written = writeDepthPictures(scene, options.depth, context);
+    check(written > 0, ErrorCode::unsupported, "{}: no photograph has a depth texture", options.scene);
+    context.say(LogLevel::info, "the depth of {} photographs is in {}", written, options.depth);
+  }
   context.report(report.dump(2, ' ', false, Json::error_handler_t::replace));
   if (!options.advicePoses.empty()) writePosesToAdd(options.advicePoses, advice, context);
   return kExitOk;
@@ -304,9 +311,13 @@ const Command kInfoCommand{
         "picture",
     .examples =
         "ibr info scene\nibr info scene --explain\nibr info scene --advice --svg graph.svg\nibr info scene "
-        "--advice-poses next.json\nibr info model\nibr info video\n"
+        "--advice-poses next.json\nibr info scene --depth pictures\nibr info model\nibr info video\n"
         "ibr info pictures/frame_0000.png",
-    .details = "",
+    .details =
+        "--depth writes, at the size of the depth textures: DIR/NAME.depth.png, light where near;\n"
+        "NAME.confirmations.png, from none to four and more photographs; NAME.consensus.png, from 0 to 1; and\n"
+        "NAME.depth.exr with the channels inverseDepth (1/world unit, along the viewing axis, of panoramas along the\n"
+        "ray; 0 is at infinity), confirmations and consensus.",
     .afterInterrupt = "",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();
@@ -322,6 +333,9 @@ const Command kInfoCommand{
       app.add_option("--svg", options->svg,
                      "Also draw the image graph: cameras, cells by their score, what is unused, what to add")
           ->type_name("FILE");
+      app.add_option("--depth", options->depth,
+                     "Also write depth of each photograph, how many confirm it, and consensus, as pictures and EXR")
+          ->type_name("DIR");
       return [options](const Context& context) { return showScene(*options, context); };
     }};
 

@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "apps/support/run_program.h"
+#include "apps/support/tiny_scene.h"
 #include "base/file.h"
+#include "ibr/scene.h"
+#include "image/depth_texture.h"
+#include "image/ktx2.h"
+#include "io/exr.h"
 #include "io/image_file.h"
 #include "support/temporary_folder.h"
 
+namespace fs = std::filesystem;
 using namespace ibr;
 using test::runProgram;
 
@@ -61,4 +70,36 @@ TEST_CASE("compare: pictures of different size or damaged ones are invalid input
   half.resize(half.size() / 2);
   writeFile(folder / "half.png", half);
   CHECK(runProgram({"compare", folder / "a.png", folder / "half.png"}).code == 3);
+}
+
+TEST_CASE("info writes depth of each photograph, what confirms it and consensus, as pictures and values") {
+  test::TemporaryFolder folder;
+  const Scene scene = loadScene(test::tinyScene());
+  const auto outcome = test::runProgram({"info", test::tinyScene(), "--depth", folder / "depth"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  for (const Node& node : scene.nodes) {
+    const std::string name = folder / "depth" / node.name;
+    const std::vector<ExrChannel> channels = readExr(name + ".depth.exr");
+    REQUIRE(channels.size() == 3);
+    CHECK(channels[0].name == "confirmations");
+    CHECK(channels[1].name == "consensus");
+    CHECK(channels[2].name == "inverseDepth");
+    const DepthMaps maps = readDepthTexture(readKtx2(scene.folder / node.depthFile), node.depthScale);
+    CHECK(channels[1].values == maps.consensus);
+    CHECK(channels[2].values == maps.inverseDepth);
+    CHECK(std::ranges::any_of(channels[0].values.values, [](float c) { return c > 0; }));
+    for (const char* what : {".depth.png", ".confirmations.png", ".consensus.png"})
+      CHECK(readImage(name + what).width == maps.inverseDepth.width);
+  }
+  // What is no scene, or has no depth, is refused.
+  const std::string picture = folder / "depth" / (scene.nodes[0].name + ".depth.png");
+  CHECK(test::runProgram({"info", picture, "--depth", folder / "again"}).code != 0);
+  Scene bare = scene;
+  for (Node& node : bare.nodes) node.depthFile.clear(), node.depthScale = 0;
+  fs::copy(test::tinyScene(), folder / "bare", fs::copy_options::recursive);
+  saveScene(bare, folder / "bare");
+  const auto none = test::runProgram({"info", folder / "bare", "--depth", folder / "again"});
+  CHECK(none.code != 0);
+  CHECK_THAT(none.err, Catch::Contains("no photograph has a depth texture"));
 }

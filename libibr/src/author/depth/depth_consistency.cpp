@@ -85,10 +85,11 @@ class Consistency {
 
   void confirm(std::size_t asker) {
     ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
-      increment(evidence_[asker].witnesses, x, y);
       const double theirs = double(depths_[witness].map.inverseDepth.pixel(seen.pixel.x, seen.pixel.y)[0]);
-      if (theirs >= 0 && std::abs(theirs - seen.inverseDepth) < tolerance)
-        increment(evidence_[asker].confirmations, x, y);
+      const bool agrees = theirs >= 0 && std::abs(theirs - seen.inverseDepth) < tolerance;
+      const bool isApart = seen.parallax >= kLeastParallax;
+      if (isApart) increment(evidence_[asker].witnesses, x, y);
+      if (isApart && agrees) increment(evidence_[asker].confirmations, x, y);
     });
   }
 
@@ -96,6 +97,11 @@ class Consistency {
   void contradict(std::size_t asker) {
     ask(asker, [&](int x, int y, std::size_t witness, const Sighting& seen, double tolerance) {
       if (evidence_[witness].confirmations.pixel(seen.pixel.x, seen.pixel.y)[0] == 0) return;
+      if (seen.parallax < kLeastParallax) {
+        const double theirs = double(depths_[witness].map.inverseDepth.pixel(seen.pixel.x, seen.pixel.y)[0]);
+        if (std::abs(theirs - seen.inverseDepth) >= tolerance) increment(evidence_[asker].witnesses, x, y);
+        return;
+      }
       const ImageF& map = depths_[witness].map.inverseDepth;
       for (int v = std::max(0, seen.pixel.y - 1); v <= std::min(map.height - 1, seen.pixel.y + 1); ++v)
         for (int u = std::max(0, seen.pixel.x - 1); u <= std::min(map.width - 1, seen.pixel.x + 1); ++u) {
@@ -128,7 +134,6 @@ class Consistency {
           const double w = double(map.pixel(x, y)[0]);
           Sighting seen;
           if (w < 0 || !sight(towards, witness.intrinsics, {x + 0.5, y + 0.5}, w, seen)) continue;
-          if (seen.parallax < kLeastParallax) continue;
           visit(x, y, j, seen, depths_[j].step + kShareTolerance * seen.inverseDepth + residual);
         }
     }

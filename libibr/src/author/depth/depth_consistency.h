@@ -6,7 +6,8 @@
 //                 itself confirmed
 //   t             1 step + .4 % of ρ + the parallax of the reprojection residual
 //
-// Only photographs that see the point from at least 1.5° apart count.
+// Only photographs that see the point from at least 1.5° apart count. A depth that is far too large is seen so by none:
+// what tells against it are photographs that see something else there.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +31,7 @@ struct ConsistentDepth {
 /// Counts by pixel, 0 to 255; one channel, of the map's size.
 struct DepthEvidence {
   Image8 confirmations, contradictions;
-  Image8 witnesses;  // photographs that see the point, from far enough apart
+  Image8 witnesses;  // photographs that see the point from far enough apart, or something else there
 };
 
 /// Evidence for each map. At most `sources` other photographs are asked, chosen by how much they see at parallaxes near

@@ -59,6 +59,14 @@ TEST_CASE("a false surface in front is contradicted, one behind is merely not co
   const auto behind = planted(0.1f);
   CHECK(count(behind[1].confirmations, 40, 30) == 0);
   CHECK(count(behind[1].contradictions, 40, 30) == 0);
+  // So far that no two photographs see it from apart: what tells against it is confirmed depth of something else there.
+  const auto far = planted(0.001f);
+  CHECK(count(far[1].confirmations, 40, 30) == 0);
+  CHECK(count(far[1].contradictions, 40, 30) == 0);
+  CHECK(count(far[1].witnesses, 40, 30) == 3);
+  for (ConsistentDepth& depth : depths) std::ranges::fill(depth.map.inverseDepth.values, 0.001f);
+  for (const DepthEvidence& distant : depthEvidence(depths))
+    CHECK(std::ranges::all_of(distant.witnesses.values, [](int w) { return w == 0; }));
 }
 
 TEST_CASE("unknown depth neither asks nor answers, and photographs of one place do not confirm each other") {

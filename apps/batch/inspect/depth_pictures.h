@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "ibr/scene.h"
+#include "shared/cli/context.h"
+
+namespace ibr::app {
+
+/// Of each photograph with a depth texture, at the texture's size: NAME.depth.png, NAME.confirmations.png and
+/// NAME.consensus.png to look at, NAME.depth.exr with the values. Colours mean the same in all of a scene's pictures.
+/// Returns how many photographs were written. Throws Error (io, invalidInput) that names the file.
+std::size_t writeDepthPictures(const Scene& scene, const std::filesystem::path& folder, const Context& context);
+
+}  // namespace ibr::app
