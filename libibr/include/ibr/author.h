@@ -127,6 +127,18 @@ constexpr const char* methodName(MatchMethod matcher) {
   return kNames[std::size_t(matcher)];
 }
 
+/// How the depth of each photograph is found; times and accuracy: docs/quality.md.
+enum class DepthSearch : std::uint8_t {
+  fast,     // none: it has the depth of its cells, or of its points
+  swept,    // against up to ten others, in levels
+  refined,  // then by slanted planes, to a part of a level
+  fine,     // by twice as many of them
+};
+constexpr const char* depthSearchName(DepthSearch search) {
+  constexpr const char* kNames[] = {"fast", "swept", "refined", "fine"};
+  return kNames[std::size_t(search)];
+}
+
 /// Which triangles are taken to agree in all members.
 enum class TriangleFilter : std::uint8_t {
   consistency,  // those that look alike and lie where the dense match does
@@ -178,7 +190,8 @@ struct BuildOptions {
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
-  int backdropSpacing = 4;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
+  DepthSearch depth = DepthSearch::refined;
+  int backdropSpacing = 2;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   std::filesystem::path finishedCells;  // folder in which finished cells and backdrops are kept for further builds,
                                         // whose results they never change; empty: in the output, until it is finished
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept

@@ -62,6 +62,7 @@ class BackdropMesh {
  public:
   BackdropMesh(const Intrinsics& stored, const ImageF& depth, const BackdropOptions& options)
       : stored_(stored),
+        depth_(depth),
         isPanorama_(stored.model == CameraModel::equirectangular),
         scale_(double(stored.width) / depth.width, double(stored.height) / depth.height) {
     const double focalPx =
@@ -125,15 +126,29 @@ class BackdropMesh {
     return false;
   }
 
-  // The middle of an edge, at the depth of its end `side`.
+  // Where on the way from a to b the depth is no longer like that of a but like that of b.
+  glm::dvec2 jump(const Point& a, const Point& b) const {
+    constexpr double kLeast = 0.1;  // of the way, from either end
+    const int count = int(std::ceil(2 * glm::distance(a.at, b.at)));
+    int best = 0, balance = 0, most = 0;  // samples like a less samples like b, of those before
+    for (int i = 0; i < count; ++i) {
+      const glm::ivec2 at = glm::ivec2(glm::mix(a.at, b.at, (i + 0.5) / count));
+      const float here = depth_.pixel(std::min(at.x, depth_.width - 1), std::min(at.y, depth_.height - 1))[0];
+      balance += std::abs(here - a.depth) < std::abs(here - b.depth) ? 1 : -1;
+      if (balance > most) most = balance, best = i + 1;
+    }
+    return glm::mix(a.at, b.at, std::clamp(double(best) / count, kLeast, 1 - kLeast));
+  }
+
+  // The place of an edge where one surface ends and the other begins, at the depth of its end `side`.
   unsigned halfway(unsigned side, unsigned other) {
     const auto [it, isNew] = halfway_.try_emplace({side, other}, 0u);
-    const Point &a = points_[side], &b = points_[other];
-    if (isNew) it->second = addPoint(0.5 * (a.at + b.at), a.depth, a.isKnown);
+    const Point &a = points_[std::min(side, other)], &b = points_[std::max(side, other)], &own = points_[side];
+    if (isNew) it->second = addPoint(jump(a, b), own.depth, own.isKnown);
     return it->second;
   }
 
-  // Both surfaces go on to the middle between them.
+  // Both surfaces go on to where one ends and the other begins.
   void split(const glm::uvec3& t) {
     const auto difference = [&](int i) {
       return std::abs(points_[t[(i + 1) % 3]].depth - points_[t[(i + 2) % 3]].depth);
@@ -148,6 +163,7 @@ class BackdropMesh {
   }
 
   const Intrinsics& stored_;
+  const ImageF& depth_;
   bool isPanorama_;
   glm::dvec2 scale_;  // px of the stored photograph a px of the depth's picture
   double parallaxPx_, cutPx_;

@@ -12,9 +12,9 @@ constexpr double kMips = 20, kBc1 = 150, kBc7 = 430;
 constexpr double kFeatures = 450, kPair = 0.005;
 constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
-constexpr double kDepth = 13000, kConfirm = 400;               // a pixel of the depth maps
-constexpr double kObservation = 150e-6;                        // of a point, while poses are refined
-constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;  // of each two members of a cell; one thread solves
+constexpr double kSweep = 4500, kRefine = 4500, kConfirm = 400;  // a pixel of the depth maps
+constexpr double kObservation = 150e-6;                          // of a point, while poses are refined
+constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;    // of each two members of a cell; one thread solves
 constexpr double kJudged = 500, kJudge = 1300;
 
 double perPixel(TextureFormat format) {
@@ -58,12 +58,12 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
         kSolvingShare * kExposurePair * pairs);
   }
   const double eachBackdrop = 1 / std::max(double(work.backdrops), 1.0);
-  const auto addDepth = [&](const char* stage, double nanoseconds) {
-    const double seconds = 1e-9 * nanoseconds * work.backdropPixels;
+  const auto addDepth = [&](const char* stage, double nanoseconds, double pixels) {
+    const double seconds = 1e-9 * nanoseconds * pixels;
     add(stage, seconds, threads.backdrops, seconds * eachBackdrop);
   };
-  addDepth("finding depth", kDepth);
-  addDepth("confirming depth", kConfirm);
+  addDepth("finding depth", kSweep + kRefine * work.refinements, work.sweptPixels);
+  addDepth("confirming depth", kConfirm, std::max(work.sweptPixels, work.backdropPixels));
   const double backdrops =
       double(work.backdrops) > 0 ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels) : 0;
   add("completing backdrops", backdrops, threads.backdrops, backdrops * eachBackdrop);

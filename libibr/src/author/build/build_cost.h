@@ -39,6 +39,8 @@ struct BuildWork {
   double refinedBy = 0;    // observations by which poses are refined; 0: they are not
   std::size_t backdrops = 0;
   double backdropPixels = 0;  // at the backdrops' size
+  double sweptPixels = 0;     // in which depth is found
+  double refinements = 1;     // of depth, in those of DepthSearch::refined
 };
 
 /// How much longer than the machine of the constants this one takes for the same work: of one thread's processor time,

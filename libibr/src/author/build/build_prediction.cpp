@@ -15,6 +15,7 @@
 #include "author/build/find_movers.h"
 #include "author/build/machine_speed.h"
 #include "author/build/own_tracks.h"
+#include "author/depth/depth_views.h"
 #include "author/depth/photograph_sweep.h"
 #include "author/geometry/posed_model.h"
 #include "author/photographs/picture_folder.h"
@@ -111,10 +112,19 @@ class Predictor {
       work_.backdropPixels += double(size.x) * size.y;
       const glm::ivec2 texels = depthTextureSize(size, k.width);
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
-      depths_ += (kDepthBytesPerPixel + kHeldBytesPerPixel) * size.x * size.y;
+      depths_ += kDepthBytesPerPixel * size.x * size.y;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
-      if (!isPanorama(photo)) sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * size.x * size.y);
+      if (options_.depth == DepthSearch::fast) continue;
+      reading_ = std::max(reading_, bytesToReadViews(photo));
+      for (const DepthView& view : depthViews({&photo.camera, 1})) {
+        const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
+        const double pixels = double(swept.x) * swept.y;
+        work_.sweptPixels += pixels;
+        depths_ += kHeldBytesPerPixel * pixels;
+        sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
+      }
     }
+    work_.refinements = options_.depth == DepthSearch::swept ? 0 : options_.depth == DepthSearch::fine ? 2 : 1;
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
   }
@@ -194,6 +204,7 @@ class Predictor {
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
+    if (work_.backdrops > 0) threads(reading_, kept_ + depths_, photographs);
     if (work_.backdrops > 0)
       side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, work_.backdrops);
     made_.threads = side.cells;
@@ -212,7 +223,8 @@ class Predictor {
   const CellMaker maker_;
   BuildWork work_;
   // Bytes of one job, at most.
-  double storing_ = 0, loading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0, completing_ = 0;
+  double storing_ = 0, loading_ = 0, reading_ = 0, features_ = 0, judging_ = 0, matching_ = 0, sweeping_ = 0,
+         completing_ = 0;
   double kept_ = 0;    // bytes of all meshes
   double depths_ = 0;  // bytes of all photographs' depth and evidence, and the pictures that it is found in
   BuildPrediction made_;

@@ -220,11 +220,11 @@ class Builder {
     scene_.acquisition = panoramic ? "panoramic" : plan_.ordered ? "ordered" : "unordered";
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
-        R"("backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
+        R"("depth":"{}","backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
         R"("matchExposures":{},"vignetting":{},"refinePoses":{},"removeMovers":{}}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
-        input_.refine, options_.backdrops, options_.backdropSpacing, trackSourceName(options_.tracks),
-        options_.keepBorder, methodName(options_.matcher),
+        input_.refine, options_.backdrops, depthSearchName(options_.depth), options_.backdropSpacing,
+        trackSourceName(options_.tracks), options_.keepBorder, methodName(options_.matcher),
         options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous", options_.matchExposures,
         options_.fitVignetting, options_.refinePoses, options_.removeMovers);
   }
@@ -356,12 +356,17 @@ class Builder {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
       pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * size.x * size.y);
     }
-    const DepthMatcher matcher(input_, options_, jobs_);
-    const double bytesEach = std::max(maker.bytesOfDepth(), matcher.bytesToMatch());
+    std::optional<DepthMatcher> matcher;
+    DepthMatches matches;
+    if (options_.depth != DepthSearch::fast) {
+      matcher.emplace(input_, options_, scene_, jobs_);
+      matches = [&matcher](std::size_t view) { return matcher->match(view); };
+    }
+    const double bytesEach = std::max(maker.bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
     std::size_t run = 0;
     return depthOfPhotographs(
         scene_,
-        {.matches = [&](std::uint32_t photograph) { return matcher.match(photograph); },
+        {.matches = matches,
          .points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
          .depths =
              [&](std::size_t count, const auto& job) {

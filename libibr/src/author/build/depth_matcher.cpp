@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <iterator>
 
 #include "author/backdrop/backdrop.h"
+#include "author/build/cell_tracks.h"
 #include "author/depth/depth_sources.h"
 #include "author/depth/refined_depth.h"
 #include "author/geometry/mean_frame.h"
@@ -13,18 +17,51 @@
 #include "author/jobs/kept_values.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/resize.h"
+#include "ibr/panorama.h"
 
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 2;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 3;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
 constexpr int kFiner = 2;               // sides of the pictures that depth is refined in, in the depth's
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
-glm::ivec2 sweptSize(const Intrinsics& stored) {
-  const Intrinsics matched = matchedCamera({stored, {}}).intrinsics;
-  return glm::max(glm::ivec2(1), glm::min(glm::ivec2(matched.width / 2, matched.height / 2), backdropSize(stored)));
+// A photograph's picture as one of its views sees it, at any size; its masks likewise.
+class Source {
+ public:
+  explicit Source(const Photograph& photograph)
+      : photograph_(photograph), colours_(loadPhotograph(photograph)), mask_(storedMask(photograph)) {
+    if (!isPanorama(photograph)) return;
+    sphere_.emplace(colours_);
+    if (!mask_.empty()) sphereMask_.emplace(mask_);
+  }
+
+  Image8 colours(const Camera& camera) const {
+    const Intrinsics& k = camera.intrinsics;
+    return sphere_ ? sphere_->view(k, turn(camera)) : shrunk(colours_, k.width, k.height);
+  }
+  Image8 mask(const Camera& camera) const {
+    const Intrinsics& k = camera.intrinsics;
+    return sphereMask_ ? binaryMask(sphereMask_->view(k, turn(camera))) : resizedMask(mask_, k.width, k.height);
+  }
+
+ private:
+  glm::dquat turn(const Camera& camera) const {
+    return glm::conjugate(photograph_.camera.pose.rotation) * camera.pose.rotation;
+  }
+
+  const Photograph& photograph_;
+  Image8 colours_, mask_;
+  std::optional<PanoramaSampler> sphere_, sphereMask_;
+};
+
+// 0 where the camera does not see the point.
+double inverseDepthSeen(const Camera& camera, const glm::dvec3& point) {
+  const Intrinsics& k = camera.intrinsics;
+  const auto at = project(k, glm::conjugate(camera.pose.rotation) * (point - camera.pose.position));
+  const bool inside = at && at->x >= 0 && at->y >= 0 && at->x <= k.width && at->y <= k.height;
+  return inside ? inverseDepth(camera, point) : 0;
 }
 
 void storeDepth(const std::filesystem::path& file, const SweptDepth& depth) {
@@ -49,65 +86,99 @@ std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
 
 }  // namespace
 
+glm::ivec2 sweptSize(const Intrinsics& stored) {
+  const Intrinsics matched = matchedCamera({stored, {}}).intrinsics;
+  return glm::max(glm::ivec2(1), glm::min(glm::ivec2(matched.width / 2, matched.height / 2), backdropSize(stored)));
+}
+
+double bytesToReadViews(const Photograph& photograph) {
+  constexpr double kSphereBytes = 4;  // a pixel: colours and mask with a border
+  const Intrinsics& k = photograph.camera.intrinsics;
+  return bytesToLoad(photograph) + (isPanorama(photograph) ? kSphereBytes * k.width * k.height : 0);
+}
+
 SweepView DepthMatcher::Picture::view() const {
   SweepView view{camera, ImageF(grey.width, grey.height, 1), mask};
   std::ranges::copy(grey.values, view.grey.values.begin());
   return view;
 }
 
-DepthMatcher::Picture DepthMatcher::pictureOf(const Photograph& photograph, const Image8& colours, glm::ivec2 size,
-                                              int window) {
-  return {{resized(photograph.camera.intrinsics, size.x, size.y), photograph.camera.pose},
-          greyOf(shrunk(colours, size.x, size.y)),
-          widenedMask(resizedMask(storedMask(photograph), size.x, size.y), window)};
-}
-
-DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs)
-    : input_(input), options_(options), small_(input.photographs.size()), fine_(small_.size()) {
+DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const Scene& scene,
+                           const BuildJobs& jobs)
+    : input_(input), options_(options), model_(input.model) {
+  std::vector<bool> hasNone;
+  for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
+  std::ranges::move(cellTracks(scene, hasNone), std::back_inserter(model_.tracks));
+  tracksOf_ = tracksOfImages(model_);
+  std::vector<Camera> cameras;
   double bytes = 0;
   for (const Photograph& photo : input.photographs) {
-    cameras_.push_back(photo.camera);
-    bytes = std::max(bytes, bytesToLoad(photo));
+    cameras.push_back(photo.camera);
+    bytes = std::max(bytes, bytesToReadViews(photo));
   }
-  jobs.runAll("reading photographs", small_.size(), bytes, [&](std::size_t i) {
-    const Photograph& photo = input_.photographs[i];
-    if (isPanorama(photo)) return;
-    const Intrinsics& stored = photo.camera.intrinsics;
-    const glm::ivec2 size = sweptSize(stored), whole(stored.width, stored.height);
-    const Image8 colours = loadPhotograph(photo);
-    small_[i] = pictureOf(photo, colours, size, kSweptWindow);
-    fine_[i] = pictureOf(photo, colours, glm::min(kFiner * size, whole), kRefinedWindow);
-  });
+  views_ = depthViews(cameras);
+  small_.resize(views_.size());
+  fine_.resize(views_.size());
+  std::vector<std::size_t> first;  // view of each photograph
+  for (std::size_t v = 0; v < views_.size(); ++v)
+    if (views_[v].node == first.size()) first.push_back(v);
+  jobs.runAll("reading photographs", first.size(), bytes,
+              [&](std::size_t i) { readViews(input_.photographs[i], first[i]); });
 }
 
-std::uint64_t DepthMatcher::keyOf(std::uint32_t photograph, const std::vector<std::uint32_t>& sources,
+void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
+  const Source source(photograph);
+  for (std::size_t v = first; v < views_.size() && views_[v].node == views_[first].node; ++v) {
+    const Camera& stored = views_[v].camera;
+    const glm::ivec2 size = sweptSize(stored.intrinsics), whole(stored.intrinsics.width, stored.intrinsics.height);
+    const auto picture = [&](glm::ivec2 at, int window) -> Picture {
+      const Camera camera{resized(stored.intrinsics, at.x, at.y), stored.pose};
+      return {camera, greyOf(source.colours(camera)), widenedMask(source.mask(camera), window)};
+    };
+    small_[v] = picture(size, kSweptWindow);
+    fine_[v] = picture(glm::min(kFiner * size, whole), kRefinedWindow);
+  }
+}
+
+std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
                                   const std::vector<double>& tracks) const {
   Hash hash;
   hash.add(kVersion);
-  addPhotograph(hash, input_, photograph);
-  for (const std::uint32_t j : sources) addPhotograph(hash, input_, j);
+  hash.add(std::uint64_t(options_.depth));
+  const auto addView = [&](std::size_t v) {
+    addPhotograph(hash, input_, views_[v].node);
+    const glm::dquat& turn = views_[v].camera.pose.rotation;
+    for (int c = 0; c < 4; ++c) hash.add(turn[c]);
+  };
+  addView(view);
+  for (const std::uint32_t j : sources) addView(j);
   for (const double inverse : tracks) hash.add(inverse);
   return hash.value();
 }
 
-std::optional<SweptDepth> DepthMatcher::match(std::uint32_t photograph) const {
-  if (small_[photograph].grey.empty()) return std::nullopt;
-  const Camera& camera = small_[photograph].camera;
+std::vector<std::uint32_t> DepthMatcher::sourcesOf(std::size_t view) const {
+  return depthSources(model_, views_, tracksOf_, std::uint32_t(view));
+}
+
+std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<Picture>& pictures,
+                                             std::span<const std::uint32_t> which) {
+  std::vector<SweepView> views;
+  for (const std::uint32_t j : which) views.push_back(pictures[j].view());
+  return views;
+}
+
+std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   std::vector<double> tracks;
-  for (const std::uint32_t t : input_.tracksOf[photograph])
-    if (const double w = inverseDepth(camera, input_.model.tracks[t].position); w > 0 && std::isfinite(w))
+  for (const std::uint32_t t : tracksOf_[views_[view].node])
+    if (const double w = inverseDepthSeen(small_[view].camera, model_.tracks[t].position); w > 0 && std::isfinite(w))
       tracks.push_back(w);
-  const std::vector<std::uint32_t> sources = depthSources(input_.model, cameras_, input_.tracksOf, photograph);
+  const std::vector<std::uint32_t> sources = sourcesOf(view);
   if (sources.empty() || tracks.empty()) return std::nullopt;
-  const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(photograph, sources, tracks), kKind);
+  const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, tracks), kKind);
   if (auto kept = fetchDepth(file)) return kept;
-  const auto viewsIn = [&](const std::vector<Picture>& pictures) {
-    std::vector<SweepView> views;
-    for (const std::uint32_t j : sources) views.push_back(pictures[j].view());
-    return views;
-  };
-  SweptDepth depth = sweptDepth(small_[photograph].view(), viewsIn(small_), std::move(tracks));
-  refineDepth(depth, fine_[photograph].view(), viewsIn(fine_));
+  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks));
+  if (options_.depth != DepthSearch::swept)
+    refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources), options_.depth == DepthSearch::fine ? 2 : 1);
   storeDepth(file, depth);
   return depth;
 }

@@ -1,31 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a build's pinhole photographs, each swept against all that see the same places, and refined in pictures of
-// twice the size.
+// Depth of a build's photographs and of its panoramas' faces, each swept against all that see the same places, and
+// refined in pictures of twice the size.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "author/build/build_input.h"
+#include "author/depth/depth_views.h"
 #include "author/depth/photograph_sweep.h"
 #include "author/jobs/build_jobs.h"
 #include "ibr/image.h"
+#include "ibr/scene.h"
 
 namespace ibr {
 
-/// Bytes that are held of a photograph by the pixel of its depth: grey pictures and masks.
+/// The size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
+glm::ivec2 sweptSize(const Intrinsics& stored);
+/// Bytes that are held of a view by the pixel of that size: grey pictures and masks.
 inline constexpr double kHeldBytesPerPixel = 10;
+
+/// The memory that it takes at most to read the pictures of a photograph's views, bytes.
+double bytesToReadViews(const Photograph& photograph);
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. `input` and `options` must outlive the object. Throws as loadPhotograph and
-  /// BuildJobs::runAll do.
-  DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);
+  /// Reads the photographs. `scene`: of them, with its cells. `input` and `options` must outlive the object. Throws as
+  /// loadPhotograph and BuildJobs::runAll do.
+  DepthMatcher(const BuildInput& input, const BuildOptions& options, const Scene& scene, const BuildJobs& jobs);
 
-  /// Of half the size at which photographs are matched, and at most backdropSize. nullopt of panoramas, and where no
-  /// other photograph sees the same places. Finished depth is kept as cells are. Any number of threads.
-  std::optional<SweptDepth> match(std::uint32_t photograph) const;
+  /// Of one of the photographs' depthViews(), at sweptSize(). nullopt where no other view sees the same places.
+  /// Finished depth is kept as cells are. Any number of threads.
+  std::optional<SweptDepth> match(std::size_t view) const;
 
   /// Memory that `match` takes at most, bytes, beside what is held of each photograph from the beginning on.
   double bytesToMatch() const;
@@ -33,19 +41,23 @@ class DepthMatcher {
  private:
   struct Picture {
     Camera camera;
-    Image8 grey, mask;  // empty: of a panorama; without a mask
+    Image8 grey, mask;  // mask: empty without one
 
     SweepView view() const;
   };
-  static Picture pictureOf(const Photograph& photograph, const Image8& colours, glm::ivec2 size, int window);
+  void readViews(const Photograph& photograph, std::size_t first);
 
-  std::uint64_t keyOf(std::uint32_t photograph, const std::vector<std::uint32_t>& sources,
+  std::vector<std::uint32_t> sourcesOf(std::size_t view) const;
+  static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
+  std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
                       const std::vector<double>& trackInverseDepths) const;
 
   const BuildInput& input_;
   const BuildOptions& options_;
-  std::vector<Camera> cameras_;        // of the photographs as they are stored
-  std::vector<Picture> small_, fine_;  // to sweep, and to refine
+  PosedModel model_;  // the input's; photographs without tracks have those of cells
+  std::vector<std::vector<std::uint32_t>> tracksOf_;
+  std::vector<DepthView> views_;
+  std::vector<Picture> small_, fine_;  // to sweep, and to refine; of the views
 };
 
 }  // namespace ibr

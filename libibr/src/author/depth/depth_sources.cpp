@@ -58,24 +58,24 @@ std::vector<Place> placesOf(const PosedModel& model, const Camera& camera, const
 
 }  // namespace
 
-std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const Camera> cameras,
-                                        std::span<const std::vector<std::uint32_t>> tracksOf,
-                                        std::uint32_t photograph) {
-  const std::vector<Place> places = placesOf(model, cameras[photograph], tracksOf[photograph]);
-  const glm::dvec3 own = cameras[photograph].pose.position;
-  std::vector<std::vector<float>> near(cameras.size()), wide(cameras.size());  // weights of the places
-  for (std::uint32_t j = 0; j < cameras.size(); ++j) {
-    if (j == photograph || cameras[j].intrinsics.model != CameraModel::pinhole) continue;
-    const glm::dvec3 other = cameras[j].pose.position;
+std::vector<std::uint32_t> depthSources(const PosedModel& model, std::span<const DepthView> views,
+                                        std::span<const std::vector<std::uint32_t>> tracksOf, std::uint32_t view) {
+  const std::vector<Place> places = placesOf(model, views[view].camera, tracksOf[views[view].node]);
+  const glm::dvec3 own = views[view].camera.pose.position;
+  std::vector<std::vector<float>> near(views.size()), wide(views.size());  // weights of the places
+  for (std::uint32_t j = 0; j < views.size(); ++j) {
+    const Camera& camera = views[j].camera;
+    const glm::dvec3 other = camera.pose.position;
+    if (other == own) continue;
     near[j].assign(places.size(), 0);
     wide[j].assign(places.size(), 0);
     for (std::size_t p = 0; p < places.size(); ++p) {
       const Place& place = places[p];
-      if (!pixelOf(cameras[j], place.position)) continue;
+      if (!pixelOf(camera, place.position)) continue;
       const glm::dvec3 a = own - place.position, b = other - place.position;
       const double ra = glm::length(a), rb = glm::length(b);
       const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-      const bool observed = std::ranges::binary_search(tracksOf[j], place.track);
+      const bool observed = std::ranges::binary_search(tracksOf[views[j].node], place.track);
       const double weight = std::min(ra / rb, rb / ra) * (observed ? 1.0 : kUnobserved);
       near[j][p] = float(weight * kNear.weight(angle));
       wide[j][p] = float(weight * kWide.weight(angle));

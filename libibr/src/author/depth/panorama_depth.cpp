@@ -2,7 +2,7 @@
 #include "author/depth/panorama_depth.h"
 
 #include <algorithm>
-#include <cmath>
+#include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
@@ -15,31 +15,33 @@ namespace {
 
 constexpr double kFaceFov = 96 * std::numbers::pi / 180;  // a little more than a quarter of the view
 
-// Where a direction is seen.
-struct Place {
+// The face that sees a direction farthest from its edges.
+struct Sighting {
   std::size_t face;
-  int x, y;
-  double along;  // share of a distance along the ray that is along the face's axis
+  glm::dvec3 direction;  // in the face's axes
 };
 
-Place placeOf(const std::vector<glm::dquat>& toFaces, const Intrinsics& k, glm::dvec3 direction) {
-  Place place{};
-  glm::dvec3 best(0);
+Sighting sightingOf(const std::vector<glm::dquat>& toFaces, glm::dvec3 direction) {
+  Sighting best{};
   for (std::size_t f = 0; f < toFaces.size(); ++f)
-    if (const glm::dvec3 seen = toFaces[f] * direction; - seen.z > place.along) {
-      place.face = f;
-      place.along = -seen.z;
-      best = seen;
-    }
-  place.x = std::clamp(int(std::floor(k.cx + k.fx * best.x / place.along)), 0, k.width - 1);
-  place.y = std::clamp(int(std::floor(k.cy - k.fy * best.y / place.along)), 0, k.height - 1);
-  return place;
+    if (const glm::dvec3 seen = toFaces[f] * direction; seen.z < best.direction.z) best = {f, seen};
+  return best;
+}
+
+// Of a direction before the face.
+glm::ivec2 pixelOf(const Intrinsics& k, glm::dvec3 direction) {
+  const glm::dvec2 at(k.cx - k.fx * direction.x / direction.z, k.cy + k.fy * direction.y / direction.z);
+  return glm::clamp(glm::ivec2(glm::floor(at)), glm::ivec2(0), glm::ivec2(k.width, k.height) - 1);
 }
 
 }  // namespace
 
+int depthFaceSize(int panoramaWidth) {
+  return faceSize(panoramaWidth, kFaceFov);
+}
+
 std::vector<Camera> depthFaces(const Camera& panorama) {
-  const Intrinsics face = faceIntrinsics(faceSize(panorama.intrinsics.width, kFaceFov), kFaceFov);
+  const Intrinsics face = faceIntrinsics(depthFaceSize(panorama.intrinsics.width), kFaceFov);
   std::vector<Camera> cameras;
   for (const PanoramaFace& one : cubeFaces())
     cameras.push_back({face, {panorama.pose.position, panorama.pose.rotation * one.rotation}});
@@ -53,14 +55,17 @@ MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> face
         faces.size());
   const Intrinsics& k = panorama.intrinsics;
   const Image8 none(k.width, k.height, 1, 0);
-  MatchedDepth result{faces[0].matched, {}, {none, none, none}};
+  const bool hasSky = std::ranges::any_of(faces, [](const MatchedDepth& face) { return !face.sky.empty(); });
+  MatchedDepth result{faces[0].matched, hasSky ? none : Image8(), {none, none, none}};
   result.matched.map = {panorama, ImageF(k.width, k.height, 1, kUnknownDepth)};
   for (int y = 0; y < k.height; ++y)
     for (int x = 0; x < k.width; ++x) {
-      const Place at = placeOf(toFaces, faces[0].matched.map.camera.intrinsics, unproject(k, {x + 0.5, y + 0.5}));
-      const MatchedDepth& face = faces[at.face];
+      const Sighting seen = sightingOf(toFaces, unproject(k, {x + 0.5, y + 0.5}));
+      const MatchedDepth& face = faces[seen.face];
+      const glm::ivec2 at = pixelOf(face.matched.map.camera.intrinsics, seen.direction);
       const float inverse = face.matched.map.inverseDepth.pixel(at.x, at.y)[0];
-      if (inverse >= 0) result.matched.map.inverseDepth.pixel(x, y)[0] = float(double(inverse) * at.along);
+      if (inverse >= 0) result.matched.map.inverseDepth.pixel(x, y)[0] = float(double(inverse) * -seen.direction.z);
+      if (!face.sky.empty()) result.sky.pixel(x, y)[0] = face.sky.pixel(at.x, at.y)[0];
       const auto copy = [&](Image8 DepthEvidence::*counts) {
         (result.evidence.*counts).pixel(x, y)[0] = (face.evidence.*counts).pixel(at.x, at.y)[0];
       };

@@ -17,11 +17,15 @@ struct MatchedDepth {
   DepthEvidence evidence;
 };
 
-/// In the order of cubeFaces(), with about as many pixels an angle as `panorama`, which has its depth's size.
+/// In the order of cubeFaces(), with about as many pixels an angle as `panorama`.
 std::vector<Camera> depthFaces(const Camera& panorama);
 
+/// Their width and height, px, of a panorama of this width.
+int depthFaceSize(int panoramaWidth);
+
 /// The map of `panorama`: a pixel is the nearest one of the face that looks its way. Inverse depth along a face's axis
-/// becomes inverse distance along the ray. `faces`: of depthFaces().
+/// becomes inverse distance along the ray. `faces`: of depthFaces(), at any
+/// sizes.
 MatchedDepth onSphere(const Camera& panorama, std::span<const MatchedDepth> faces);
 
 }  // namespace ibr

@@ -9,6 +9,7 @@
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
 #include "author/backdrop/scene_depth.h"
+#include "author/depth/depth_views.h"
 #include "author/sweep/depth_clean.h"
 #include "base/check.h"
 #include "base/median.h"
@@ -59,27 +60,6 @@ double pxARadian(const Intrinsics& k) {
   return k.model == CameraModel::equirectangular ? k.width / (2 * std::numbers::pi) : k.fx;
 }
 
-// A pinhole picture whose depth is found: the photograph's, or of a face of a panorama, at the depth's size.
-struct View {
-  std::uint32_t node;
-  bool isFace;
-  Camera camera;
-};
-
-std::vector<View> viewsOf(const Scene& scene) {
-  std::vector<View> views;
-  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
-    const Camera& stored = scene.nodes[n].camera;
-    const Camera small = sizedAs(stored, backdropSize(stored.intrinsics));
-    if (!isPanorama(stored)) {
-      views.push_back({n, false, small});
-    } else {
-      for (const Camera& face : depthFaces(small)) views.push_back({n, true, face});
-    }
-  }
-  return views;
-}
-
 // A view's depth before any other view is asked.
 struct FoundDepth {
   DepthMap map;
@@ -87,18 +67,27 @@ struct FoundDepth {
   bool sparse = false;
 };
 
-FoundDepth depthOf(const Scene& scene, const View& view, bool isInCell, const PhotographDepthOptions& options) {
-  const Camera& stored = scene.nodes[view.node].camera;
-  if (options.matches && !view.isFace)
-    if (std::optional<SweptDepth> swept = options.matches(view.node))
-      return {{sizedAs(stored, {swept->sky.width, swept->sky.height}), std::move(swept->inverseDepth)},
+// Of a panorama's face as fine as the panorama's depth.
+Camera sizedForCells(const DepthView& view, const Intrinsics& stored) {
+  const glm::ivec2 size = backdropSize(stored);
+  return sizedAs(view.camera, view.isFace ? glm::ivec2(depthFaceSize(size.x)) : size);
+}
+
+FoundDepth depthOf(const Scene& scene, std::span<const DepthView> views, std::size_t which, bool isInCell,
+                   const PhotographDepthOptions& options) {
+  const DepthView& view = views[which];
+  if (options.matches)
+    if (std::optional<SweptDepth> swept = options.matches(which))
+      return {{sizedAs(view.camera, {swept->inverseDepth.width, swept->inverseDepth.height}),
+               std::move(swept->inverseDepth)},
               std::move(swept->sky)};
-  const Intrinsics& k = view.camera.intrinsics;
+  const Camera camera = sizedForCells(view, scene.nodes[view.node].camera.intrinsics);
+  const Intrinsics& k = camera.intrinsics;
   if (isInCell)
-    return {{view.camera, view.isFace ? depthInScene(scene, view.node, view.camera)
-                                      : depthInScene(scene, view.node, {k.width, k.height})}};
+    return {{camera, view.isFace ? depthInScene(scene, view.node, camera)
+                                 : depthInScene(scene, view.node, {k.width, k.height})}};
   const auto points = options.points ? options.points(view.node) : std::vector<glm::dvec3>{};
-  return {{view.camera, depthOfPoints(view.camera, points)}, {}, true};
+  return {{camera, depthOfPoints(camera, points)}, {}, true};
 }
 
 // Beyond the seam of a panorama is its other end.
@@ -146,10 +135,10 @@ double medianResidualPx(const Scene& scene) {
 }
 
 std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options) {
-  const std::vector<View> views = viewsOf(scene);
-  if (views.empty()) return {};
+  if (scene.nodes.empty()) return {};
   std::vector<Camera> cameras;
   for (const Node& node : scene.nodes) cameras.push_back(node.camera);
+  const std::vector<DepthView> views = depthViews(cameras);
   std::vector<bool> inCell(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     for (const std::uint32_t member : cell.members) inCell[member] = true;
@@ -159,7 +148,7 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
   const JobRunner runDepths = options.depths ? options.depths : runInTurn,
                   runEvidence = options.evidence ? options.evidence : runInTurn;
   runDepths(views.size(), [&](std::size_t i) {
-    found[i] = depthOf(scene, views[i], inCell[views[i].node], options);
+    found[i] = depthOf(scene, views, i, inCell[views[i].node], options);
     const double storedFocal = pxARadian(cameras[views[i].node].intrinsics);
     const double scale = found[i].map.camera.intrinsics.fx / storedFocal;
     matched[i] = {std::move(found[i].map), kStepPx / (storedFocal * spacing), residualPx * scale};
@@ -168,16 +157,18 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
 
   std::vector<PhotographDepth> result;
   std::vector<MatchedDepth> faces;
+  bool sparse = true;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const auto& [node, isFace, camera] = views[i];
+    const auto [node, isFace] = std::pair(views[i].node, views[i].isFace);
     MatchedDepth depth{std::move(matched[i]), std::move(found[i].sky), std::move(evidence[i])};
+    sparse = sparse && found[i].sparse;
     if (isFace) {
       faces.push_back(std::move(depth));
       if (i + 1 < views.size() && views[i + 1].isFace && views[i + 1].node == node) continue;
       depth = onSphere(sizedAs(cameras[node], backdropSize(cameras[node].intrinsics)), faces);
       faces.clear();
     }
-    result.push_back({std::move(depth), node, found[i].sparse});
+    result.push_back({std::move(depth), node, std::exchange(sparse, true)});
   }
   return result;
 }

@@ -34,8 +34,8 @@ struct PhotographDepth : MatchedDepth {
   bool sparse = false;  // the depth is that of points
 };
 
-/// The depth of a photograph as it was matched; nullopt where it was not.
-using DepthMatches = std::function<std::optional<SweptDepth>(std::uint32_t node)>;
+/// The depth of one of the photographs' depthViews() as it was matched; nullopt where it was not.
+using DepthMatches = std::function<std::optional<SweptDepth>(std::size_t view)>;
 
 /// World points that a photograph sees.
 using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t node)>;

@@ -11,6 +11,7 @@
 #include "author/depth/sky.h"
 #include "author/geometry/mean_frame.h"
 #include "author/sweep/sgm.h"
+#include "base/wide.h"
 
 namespace ibr {
 namespace {
@@ -30,11 +31,18 @@ constexpr double kBefore = 1.3;      // how far the range reaches before the tra
 constexpr double kInfinity = 0.3;    // range from infinity on where the farthest is less than this share of the nearest
 constexpr double kBehind = 0.7;      // else from this share of the farthest on
 
+constexpr float kDearest = 3.0f;  // more than any cost
+
+// Of a row's pixels, ascending.
+struct LeastCosts {
+  float* row[kBetter];
+};
+
 // By value: through the references of std::max the loops below would not be vectorised.
-float larger(float a, float b) {
+[[gnu::always_inline]] inline float larger(float a, float b) {
   return a < b ? b : a;
 }
-float smaller(float a, float b) {
+[[gnu::always_inline]] inline float smaller(float a, float b) {
   return b < a ? b : a;
 }
 
@@ -75,6 +83,71 @@ SweepView halved(const SweepView& view) {
   return half;
 }
 
+[[gnu::always_inline]] inline void windowSums(const float* __restrict c, float* __restrict out, int width) {
+  for (int x = 0; x < width; ++x) out[x] = c[x - 2] + c[x - 1] + c[x] + c[x + 1] + c[x + 2];
+}
+
+// Of one picture, by column: b, b² and a·b over the window's rows; a is the photograph's.
+struct ColumnSums {
+  float *value, *square, *product;
+};
+
+// Adds the rows a, b; takes away c, d.
+[[gnu::always_inline]] inline void moveRows(const float* __restrict a, const float* __restrict b,
+                                            const float* __restrict c, const float* __restrict d, ColumnSums sums,
+                                            int width) {
+  float* __restrict const value = sums.value, * __restrict const square = sums.square, * __restrict const product = sums.product;
+  for (int x = 0; x < width; ++x) {
+    value[x] += b[x] - d[x];
+    square[x] += b[x] * b[x] - d[x] * d[x];
+    product[x] += a[x] * b[x] - c[x] * d[x];
+  }
+}
+
+// Sums over the windows of a row, and of the photograph's the mean and the variance.
+struct WindowRow {
+  const float *value, *square, *product, *mean, *variance;
+};
+
+// Puts the costs of pixels first to last among their least.
+[[gnu::always_inline]] inline void putCosts(WindowRow row, const std::uint8_t* ignored, int first, int last,
+                                            float* __restrict count, LeastCosts least) {
+  const float* __restrict const sa = row.value, * __restrict const sb = row.square, * __restrict const sc = row.product;
+  const float* __restrict const mean = row.mean, * __restrict const variance = row.variance;
+  float* __restrict const b0 = least.row[0], * __restrict const b1 = least.row[1], * __restrict const b2 = least.row[2],
+                          * __restrict const b3 = least.row[3], * __restrict const b4 = least.row[4];
+  for (int x = first; x <= last; ++x) {
+    const float other = sa[x] * kShare;
+    const float spread = larger(sb[x] * kShare - other * other, 0.0f) + kNoise;
+    const float covariance = sc[x] * kShare - mean[x] * other;
+    const float correlation = covariance / std::sqrt(variance[x] * spread);
+    const bool seen = !ignored || !ignored[x];
+    // What is not seen is dearer than any.
+    float c = seen ? 1.0f - smaller(larger(correlation, -1.0f), 1.0f) : kDearest;
+    count[x] += seen ? 1.0f : 0.0f;
+    for (float* const place : {&b0[x], &b1[x], &b2[x], &b3[x], &b4[x]}) {
+      const float before = *place;
+      *place = smaller(before, c);
+      c = larger(before, c);
+    }
+  }
+}
+
+// Mean of the better half, in units of the volume.
+[[gnu::always_inline]] inline void meanCosts(const float* __restrict count, LeastCosts least,
+                                             std::uint8_t* __restrict out, int width) {
+  for (int x = 0; x < width; ++x) {
+    const float n = count[x], half = float(int(0.5f * n + 0.5f));
+    const float taken = smaller(half, float(kBetter));
+    float sum = least.row[0][x];
+    for (int k = 1; k < kBetter; ++k) sum += taken > float(k) ? least.row[k][x] : 0.0f;
+    float c = sum / larger(taken, 1.0f);
+    c = n == 1.0f ? kAloneShare * c + kAloneMore : c;
+    c = n == 0.0f ? kUnseen : c;
+    out[x] = std::uint8_t(int(smaller(c * kCostOfOne + 0.5f, 255.0f)));
+  }
+}
+
 // Sums over the window's rows, by column, of one picture; room for the window's radius on both sides.
 class Columns {
  public:
@@ -84,7 +157,7 @@ class Columns {
   void sumSideways(float* __restrict out) {
     float* __restrict const c = data();
     for (int r = 1; r <= kRadius; ++r) c[-r] = c[0], c[width_ - 1 + r] = c[width_ - 1];
-    for (int x = 0; x < width_; ++x) out[x] = c[x - 2] + c[x - 1] + c[x] + c[x + 1] + c[x + 2];
+    runWide<windowSums>(static_cast<const float*>(c), out, width_);
   }
 
  private:
@@ -127,7 +200,7 @@ class SourceCorrelation {
       for (int y = -kRadius - 1; y < kRadius; ++y) move(warped[s], s, y, false);
     }
     for (int y = 0; y < height_; ++y) {
-      for (auto& row : best_) std::fill(row.begin(), row.end(), 3.0f);
+      for (auto& row : best_) std::fill(row.begin(), row.end(), kDearest);
       std::fill(count_.begin(), count_.end(), 0.0f);
       for (std::size_t s = 0; s < warped.size(); ++s) {
         move(warped[s], s, y + kRadius, true);
@@ -160,16 +233,12 @@ class SourceCorrelation {
 
   // Adds row `in` to the columns; takes the row that leaves the window away.
   void move(const WarpedView& view, std::size_t s, int in, bool takes) {
-    const float* __restrict const a = rowOf(own_, in), * __restrict const b = rowOf(view.grey, in);
-    const float* __restrict const c = takes ? rowOf(own_, in - 2 * kRadius - 1) : zero_.data();
-    const float* __restrict const d = takes ? rowOf(view.grey, in - 2 * kRadius - 1) : zero_.data();
-    float* __restrict const value = value_[s].data(), * __restrict const square = square_[s].data(),
-                            * __restrict const product = product_[s].data();
-    for (int x = 0; x < width_; ++x) {
-      value[x] += b[x] - d[x];
-      square[x] += b[x] * b[x] - d[x] * d[x];
-      product[x] += a[x] * b[x] - c[x] * d[x];
-    }
+    const float* const none = zero_.data();
+    const float *const a = rowOf(own_, in), *const b = rowOf(view.grey, in);
+    const float* const c = takes ? rowOf(own_, in - 2 * kRadius - 1) : none;
+    const float* const d = takes ? rowOf(view.grey, in - 2 * kRadius - 1) : none;
+    const ColumnSums sums{value_[s].data(), square_[s].data(), product_[s].data()};
+    runWide<moveRows>(a, b, c, d, sums, width_);
   }
 
   // Puts the source's costs among the least of the row.
@@ -179,49 +248,18 @@ class SourceCorrelation {
     value_[s].sumSideways(sumA_.data());
     square_[s].sumSideways(sumB_.data());
     product_[s].sumSideways(sumC_.data());
-    const float* __restrict const sa = sumA_.data(), * __restrict const sb = sumB_.data(), * __restrict const sc = sumC_.data();
-    const float* __restrict const mean = rowOf(mean_, y), * __restrict const variance = rowOf(variance_, y);
+    const WindowRow row{sumA_.data(), sumB_.data(), sumC_.data(), rowOf(mean_, y), rowOf(variance_, y)};
     const std::uint8_t* const ignored =
         view.ignored.empty() ? nullptr : &view.ignored[std::size_t(y) * std::size_t(width_)];
-    float* __restrict const count = count_.data();
-    float* __restrict const b0 = best_[0].data(), * __restrict const b1 = best_[1].data(),
-                            * __restrict const b2 = best_[2].data(), * __restrict const b3 = best_[3].data(),
-                            * __restrict const b4 = best_[4].data();
-    const auto put = [&](int x) {
-      const float other = sa[x] * kShare;
-      const float spread = larger(sb[x] * kShare - other * other, 0.0f) + kNoise;
-      const float covariance = sc[x] * kShare - mean[x] * other;
-      const float correlation = covariance / std::sqrt(variance[x] * spread);
-      float c = 1.0f - smaller(larger(correlation, -1.0f), 1.0f);
-      count[x] += 1.0f;
-      for (float* const least : {&b0[x], &b1[x], &b2[x], &b3[x], &b4[x]}) {
-        const float before = *least;
-        *least = smaller(before, c);
-        c = larger(before, c);
-      }
-    };
-    if (!ignored) {
-      for (int x = first; x <= last; ++x) put(x);
-    } else {
-      for (int x = first; x <= last; ++x)
-        if (!ignored[x]) put(x);
-    }
+    runWide<putCosts>(row, ignored, first, last, count_.data(), least());
   }
 
-  void costs(std::uint8_t* __restrict out) const {
-    const float* __restrict const count = count_.data();
-    const std::array<const float*, kBetter> best{best_[0].data(), best_[1].data(), best_[2].data(), best_[3].data(),
-                                                 best_[4].data()};
-    for (int x = 0; x < width_; ++x) {
-      const float n = count[x], half = float(int(0.5f * n + 0.5f));
-      const float taken = smaller(half, float(kBetter));
-      float sum = best[0][x];
-      for (int k = 1; k < kBetter; ++k) sum += taken > float(k) ? best[std::size_t(k)][x] : 0.0f;
-      float c = sum / larger(taken, 1.0f);
-      c = n == 1.0f ? kAloneShare * c + kAloneMore : c;
-      c = n == 0.0f ? kUnseen : c;
-      out[x] = std::uint8_t(int(smaller(c * kCostOfOne + 0.5f, 255.0f)));
-    }
+  void costs(std::uint8_t* out) { runWide<meanCosts>(static_cast<const float*>(count_.data()), least(), out, width_); }
+
+  LeastCosts least() {
+    LeastCosts result;
+    for (int k = 0; k < kBetter; ++k) result.row[k] = best_[std::size_t(k)].data();
+    return result;
   }
 
   int width_, height_;

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/wide.h"
+
 namespace ibr {
 namespace {
 
@@ -27,23 +29,24 @@ constexpr float kFarther = 0.2f;
 constexpr float kFartherTextureless = 0.4f * kNoCorrelation;
 
 // By value: through the references of std::max the loops below would not be vectorised.
-float larger(float a, float b) {
+[[gnu::always_inline]] inline float larger(float a, float b) {
   return a < b ? b : a;
 }
-float smaller(float a, float b) {
+[[gnu::always_inline]] inline float smaller(float a, float b) {
   return b < a ? b : a;
 }
 
 // Sums over kWindow × kWindow of one quantity, row by row: columns over kWindow rows are kept, then summed sideways.
-void sumSideways(const float* column, float* out, int width) {
+[[gnu::always_inline]] inline void sumSideways(const float* __restrict column, float* __restrict out, int width) {
   // `column` has kRadius valid entries before and after.
   for (int x = 0; x < width; ++x) out[x] = column[x - 2] + column[x - 1] + column[x] + column[x + 1] + column[x + 2];
 }
 
 // Adds 1 − ZNCC of the windows of a pair whose sums (of a, a², b, b², ab) are given.
-void correlate(const float* __restrict sa, const float* __restrict saa, const float* __restrict sb,
-               const float* __restrict sbb, const float* __restrict sab, float* __restrict total,
-               float* __restrict count, int n) {
+[[gnu::always_inline]] inline void correlate(const float* __restrict sa, const float* __restrict saa,
+                                             const float* __restrict sb, const float* __restrict sbb,
+                                             const float* __restrict sab, float* __restrict total,
+                                             float* __restrict count, int n) {
   for (int x = 0; x < n; ++x) {
     const float meanA = sa[x] * kShare, meanB = sb[x] * kShare;
     const float varianceA = larger(saa[x] * kShare - meanA * meanA, 0.0f) + kNoise;
@@ -52,6 +55,31 @@ void correlate(const float* __restrict sa, const float* __restrict saa, const fl
     const float correlation = covariance / std::sqrt(varianceA * varianceB);
     total[x] += 1.0f - smaller(larger(correlation, -1.0f), 1.0f);
     count[x] += 1.0f;
+  }
+}
+
+// Homogeneous px of a source along a row.
+struct Line {
+  float x, y, z, dx, dy, dz;
+};
+
+[[gnu::always_inline]] inline void readLine(const float* __restrict source, int sourceWidth, float right, float bottom,
+                                            Line line, int first, int last, int* __restrict corner,
+                                            float* __restrict fu, float* __restrict fv, float* __restrict row) {
+  for (int x = first; x <= last; ++x) {
+    const float scale = 1.0f / (line.z + line.dz * float(x));
+    const float u = smaller(larger((line.x + line.dx * float(x)) * scale - 0.5f, 0.0f), right);
+    const float v = smaller(larger((line.y + line.dy * float(x)) * scale - 0.5f, 0.0f), bottom);
+    const int iu = int(u), iv = int(v);
+    corner[x] = iv * sourceWidth + iu;
+    fu[x] = u - float(iu);
+    fv[x] = v - float(iv);
+  }
+  for (int x = first; x <= last; ++x) {
+    const int at = corner[x];
+    const float top = source[at] + fu[x] * (source[at + 1] - source[at]);
+    const float low = source[at + sourceWidth] + fu[x] * (source[at + sourceWidth + 1] - source[at + sourceWidth]);
+    row[x] = top + fv[x] * (low - top);
   }
 }
 
@@ -97,31 +125,15 @@ void warp(const SweepView& view, const glm::dmat3& map, WarpedView& out) {
       std::fill(row, row + width, 0.0f);  // mid-grey
       continue;
     }
-    const float* const source = view.grey.values.data();
-    const auto hx0 = float(start.x), hy0 = float(start.y), hz0 = float(start.z);
-    const auto dx = float(step.x), dy = float(step.y), dz = float(step.z);
-    int* __restrict const corner = out.corner.data();
-    float* __restrict const fu = out.fu.data(), * __restrict const fv = out.fv.data();
-    for (int x = first; x <= last; ++x) {
-      const float scale = 1.0f / (hz0 + dz * float(x));
-      const float u = smaller(larger((hx0 + dx * float(x)) * scale - 0.5f, 0.0f), right);
-      const float v = smaller(larger((hy0 + dy * float(x)) * scale - 0.5f, 0.0f), bottom);
-      const int iu = int(u), iv = int(v);
-      corner[x] = iv * sourceWidth + iu;
-      fu[x] = u - float(iu);
-      fv[x] = v - float(iv);
-    }
-    for (int x = first; x <= last; ++x) {
-      const float* const p = source + corner[x];
-      const float top = p[0] + fu[x] * (p[1] - p[0]);
-      const float low2 = p[sourceWidth] + fu[x] * (p[sourceWidth + 1] - p[sourceWidth]);
-      row[x] = top + fv[x] * (low2 - top);
-    }
+    const Line line{float(start.x), float(start.y), float(start.z), float(step.x), float(step.y), float(step.z)};
+    runWide<readLine>(view.grey.values.data(), sourceWidth, right, bottom, line, first, last, out.corner.data(),
+                      out.fu.data(), out.fv.data(), row);
     for (int x = first; x <= last; ++x) row[x] = float(int(row[x] * kUnits + 0.5f)) - 128.0f * kUnits;
     if (!view.mask.empty()) {
       std::uint8_t* const ignored = &out.ignored[std::size_t(y) * std::size_t(width)];
       for (int x = first; x <= last; ++x)
-        ignored[x] = !view.mask.values[std::size_t(corner[x] + int(fu[x] + 0.5f) + int(fv[x] + 0.5f) * sourceWidth)];
+        ignored[x] = !view.mask.values[std::size_t(out.corner[std::size_t(x)] + int(out.fu[std::size_t(x)] + 0.5f) +
+                                                   int(out.fv[std::size_t(x)] + 0.5f) * sourceWidth)];
     }
     std::fill(row, row + first, row[first]);
     std::fill(row + last + 1, row + width, row[last]);
@@ -147,7 +159,7 @@ void WindowCorrelation::run(std::span<const WarpedView> warped, glm::dvec3 nearn
     for (std::size_t q = 0; q < column_.size(); ++q) {
       float* const c = column_[q].data() + kRadius;
       for (int r = 1; r <= kRadius; ++r) c[-r] = c[0], c[width_ - 1 + r] = c[width_ - 1];
-      sumSideways(c, sum_[q].data(), width_);
+      runWide<sumSideways>(static_cast<const float*>(c), sum_[q].data(), width_);
     }
     std::fill(total_.begin(), total_.end(), 0.0f);
     std::fill(count_.begin(), count_.end(), 0.0f);
@@ -236,8 +248,9 @@ void WindowCorrelation::addPair(std::span<const WarpedView> warped, int y, int i
   if (first > last) return;
   if (!a.ignored.empty() || !b.ignored.empty()) return addMaskedPair(a, b, y, i, j, product, first, last);
   const auto sum = [&](std::size_t q) { return &sum_[q][std::size_t(first)]; };
-  correlate(sum(std::size_t(2 * i)), sum(std::size_t(2 * i + 1)), sum(std::size_t(2 * j)), sum(std::size_t(2 * j + 1)),
-            sum(product), &total_[std::size_t(first)], &count_[std::size_t(first)], last - first + 1);
+  runWide<correlate>(sum(std::size_t(2 * i)), sum(std::size_t(2 * i + 1)), sum(std::size_t(2 * j)),
+                     sum(std::size_t(2 * j + 1)), sum(product), &total_[std::size_t(first)],
+                     &count_[std::size_t(first)], last - first + 1);
 }
 
 void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, int y, int i, int j,
@@ -247,8 +260,8 @@ void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, 
   for (int x = first; x <= last; ++x) {
     if (!used(a, x) || !used(b, x)) continue;
     const auto sum = [&](int q) { return &sum_[std::size_t(q)][std::size_t(x)]; };
-    correlate(sum(2 * i), sum(2 * i + 1), sum(2 * j), sum(2 * j + 1), sum(int(product)), &total_[std::size_t(x)],
-              &count_[std::size_t(x)], 1);
+    runWide<correlate>(sum(2 * i), sum(2 * i + 1), sum(2 * j), sum(2 * j + 1), sum(int(product)),
+                       &total_[std::size_t(x)], &count_[std::size_t(x)], 1);
   }
 }
 

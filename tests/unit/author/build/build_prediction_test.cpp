@@ -22,7 +22,7 @@ BuildWork someWork(std::size_t count) {
   work.readPixels = work.storedPixels = 1e6 * double(count);
   work.cells.assign(count, {1e6, 100, 3});
   work.backdrops = count;
-  work.backdropPixels = 2e5 * double(count);
+  work.backdropPixels = work.sweptPixels = 2e5 * double(count);
   return work;
 }
 

@@ -727,6 +727,50 @@ TEST_CASE("cells that are kept for further builds change none of them") {
   CHECK_FALSE(filesBelow(set.folder / "cells").empty());
 }
 
+TEST_CASE("photographs that are added to a build with kept work are matched with their neighbours only") {
+  const Set set;
+  BuildOptions part = set.options("part"), whole = set.options("whole"), alone = set.options("alone");
+  part.exclude = {"001.png"};
+  part.finishedCells = whole.finishedCells = set.folder / "cells";
+  build(part);
+  const auto depths = [&] {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(set.folder / "cells"))
+      count += entry.path().extension() == ".depth";
+    return count;
+  };
+  const std::size_t before = depths();
+  CHECK(before == 3);
+  const BuildReport added = build(whole);
+  CHECK(std::ranges::count_if(added.cells, [](const auto& cell) { return cell.resumed; }) == 1);
+  build(alone);
+  CHECK(filesBelow(whole.output) == filesBelow(alone.output));
+  // All four see the same places here, so that each has the new one as a source.
+  CHECK(depths() == before + 4);
+  build(whole);
+  CHECK(depths() == before + 4);
+}
+
+TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
+  const Set set;
+  std::size_t kept = 0;
+  for (const DepthSearch search : {DepthSearch::fast, DepthSearch::swept, DepthSearch::refined, DepthSearch::fine}) {
+    CAPTURE(depthSearchName(search));
+    BuildOptions options = set.options(depthSearchName(search));
+    options.depth = search;
+    options.finishedCells = set.folder / "cells";
+    build(options);
+    const Scene scene = loadScene(options.output);
+    CHECK_THAT(scene.settings, Contains(fmt::format(R"("depth":"{}")", depthSearchName(search))));
+    CHECK(scene.backdrops.size() == 4);
+    std::size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(options.finishedCells))
+      files += entry.path().extension() == ".depth";
+    CHECK(files == (search == DepthSearch::fast ? 0 : kept + 4));
+    kept = files;
+  }
+}
+
 TEST_CASE("posed photographs are those that a build stores") {
   const Set set(2);
   BuildOptions options = set.options();

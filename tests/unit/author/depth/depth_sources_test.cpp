@@ -39,7 +39,7 @@ struct Capture {
         }
         if (!track.observations.empty()) model.tracks.insert(model.tracks.end(), column > 6 ? crowd : 1, track);
       }
-    return depthSources(model, cameras, tracksOfImages(model), photograph);
+    return depthSources(model, depthViews(cameras), tracksOfImages(model), photograph);
   }
 };
 
@@ -93,7 +93,7 @@ TEST_CASE("a photograph alone, and one without tracks, has no sources") {
   CHECK(capture.sourcesOf(0).empty());
   capture.photograph(1);
   capture.model.tracks.clear();
-  CHECK(depthSources(capture.model, capture.cameras, tracksOfImages(capture.model), 0).empty());
+  CHECK(depthSources(capture.model, depthViews(capture.cameras), tracksOfImages(capture.model), 0).empty());
 }
 
 TEST_CASE("moving and turning the world changes no source") {
@@ -105,5 +105,47 @@ TEST_CASE("moving and turning the world changes no source") {
   for (Camera& camera : capture.cameras)
     camera.pose = {turn * camera.pose.position + shift, glm::normalize(turn * camera.pose.rotation)};
   for (Track& track : capture.model.tracks) track.position = turn * track.position + shift;
-  CHECK(depthSources(capture.model, capture.cameras, tracksOfImages(capture.model), 0) == before);
+  CHECK(depthSources(capture.model, depthViews(capture.cameras), tracksOfImages(capture.model), 0) == before);
+}
+
+TEST_CASE("a panorama's faces are views with its tracks, and none is a source of another") {
+  Capture capture;
+  for (const double x : {0.0, 1.05}) capture.photograph(x);
+  std::vector<Camera> cameras = capture.cameras;
+  for (const double x : {2.0, 3.0})
+    cameras.push_back({{CameraModel::equirectangular, 256, 128}, {{x, 0, 0}, {1, 0, 0, 0}}});
+  const std::vector<DepthView> views = depthViews(cameras);
+  REQUIRE(views.size() == 2 + 2 * 6);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    CHECK(views[v].node == (v < 2 ? v : 2 + (v - 2) / 6));
+    CHECK(views[v].isFace == (v >= 2));
+    CHECK(views[v].camera.intrinsics.model == CameraModel::pinhole);
+    CHECK(views[v].camera.pose.position == cameras[views[v].node].pose.position);
+  }
+  // Points before the photographs, which look along y; the panoramas' up is y.
+  PosedModel model;
+  for (const Camera& camera : cameras) model.images.push_back({std::to_string(model.images.size()), camera});
+  for (int k = -20; k <= 20; ++k) {
+    Track track{{0.2 * k, kDistance, 0.1 * (k % 5)}, {}};
+    for (std::uint32_t i = 0; i < cameras.size(); ++i) track.observations.push_back({i, {1, 1}});
+    model.tracks.push_back(std::move(track));
+  }
+  const std::vector<std::uint32_t> sources = depthSources(model, views, tracksOfImages(model), 0);
+  const auto towards = [&](std::uint32_t node) {
+    return std::ranges::any_of(sources, [&](std::uint32_t v) {
+      return views[v].node == node && -(views[v].camera.pose.rotation * glm::dvec3(0, 0, 1)).y > 0.9;
+    });
+  };
+  CHECK(towards(1));
+  CHECK(towards(2));
+  CHECK(towards(3));
+  const auto face = std::uint32_t(
+      std::ranges::find_if(views,
+                           [](const DepthView& view) {
+                             return view.isFace && -(view.camera.pose.rotation * glm::dvec3(0, 0, 1)).y > 0.9;
+                           }) -
+      views.begin());
+  const std::vector<std::uint32_t> ofFace = depthSources(model, views, tracksOfImages(model), face);
+  CHECK_FALSE(ofFace.empty());
+  for (const std::uint32_t v : ofFace) CHECK(views[v].node != views[face].node);
 }

@@ -120,3 +120,18 @@ TEST_CASE("evidence and what is unknown come from the face that looks a pixel's 
   faces.pop_back();
   CHECK(test::errorOf([&] { onSphere(camera, faces); }).code() == ErrorCode::invalidInput);
 }
+
+TEST_CASE("faces may have sizes of their own, and a sky or none") {
+  const Camera camera = panorama(128);
+  std::vector<MatchedDepth> faces = facesOf(camera, [](glm::dvec3) { return 5.0; });
+  const std::vector<MatchedDepth> finer = facesOf(panorama(256), [](glm::dvec3) { return 5.0; });
+  faces[1] = finer[1];
+  const Image8& depth = faces[4].evidence.witnesses;  // up
+  faces[4].sky = Image8(depth.width, depth.height, 1, 255);
+  const MatchedDepth whole = onSphere(camera, faces);
+  for (const float w : whole.matched.map.inverseDepth.values) REQUIRE(w == Approx(0.2).epsilon(0.04));
+  REQUIRE(whole.sky.width == 128);
+  CHECK(int(whole.sky.pixel(10, 0)[0]) == 255);
+  CHECK(int(whole.sky.pixel(64, 32)[0]) == 0);
+  CHECK(int(whole.sky.pixel(10, 63)[0]) == 0);
+}

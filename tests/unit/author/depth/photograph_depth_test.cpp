@@ -231,7 +231,7 @@ TEST_CASE("what was matched for a photograph comes before what its cells have, a
   SweptDepth matched{ImageF(48, 36, 1, 0.125f), Image8(48, 36, 1, 0)};
   matched.sky.values[7] = 255;
   const std::vector<PhotographDepth> depths = depthOfPhotographs(
-      made.scene, {.matches = [&](std::uint32_t node) { return node == 1 ? std::optional(matched) : std::nullopt; }});
+      made.scene, {.matches = [&](std::size_t view) { return view == 1 ? std::optional(matched) : std::nullopt; }});
   CHECK(depths[1].matched.map.inverseDepth == matched.inverseDepth);
   CHECK(depths[1].sky == matched.sky);
   CHECK(depths[1].matched.map.camera.intrinsics.width == 48);

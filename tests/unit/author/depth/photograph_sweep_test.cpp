@@ -3,8 +3,10 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <utility>
 
 #include "author/backdrop/complete_depth.h"
+#include "base/wide.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
 
@@ -140,4 +142,16 @@ TEST_CASE("extremes: photographs of one place, one pixel, far away and of one gr
     view.grey = ImageF(1, 1, 1, 90.0f);
   }
   check(place.swept());
+}
+
+TEST_CASE("swept depth is the same bits by both versions of the inner loops, with masks too") {
+  Place place;
+  place.views[2].mask = Image8(kWidth, kHeight, 1, 255);
+  for (int x = 0; x < kWidth / 2; ++x) place.views[2].mask.pixel(x, kHeight / 2)[0] = 0;
+  const SweptDepth widest = place.swept();
+  const bool before = std::exchange(usesAvx2(), false);
+  const SweptDepth portable = place.swept();
+  usesAvx2() = before;
+  CHECK(portable.inverseDepth == widest.inverseDepth);
+  CHECK(portable.sky == widest.sky);
 }

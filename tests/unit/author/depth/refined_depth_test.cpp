@@ -4,9 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "author/backdrop/complete_depth.h"
+#include "base/wide.h"
 #include "scene/synth/synthetic.h"
 #include "support/posed_rig.h"
 
@@ -71,6 +73,15 @@ TEST_CASE("depth that was swept in levels is refined to a small part of one, on 
   }
   const Wall wall;
   CHECK(wall.error(wall.swept) > 0.2);
+}
+
+TEST_CASE("refined depth is the same bits by both versions of the inner loops") {
+  const Wall wall;
+  const SweptDepth widest = wall.refined();
+  const bool before = std::exchange(usesAvx2(), false);
+  const SweptDepth portable = wall.refined();
+  usesAvx2() = before;
+  CHECK(portable.inverseDepth == widest.inverseDepth);
 }
 
 TEST_CASE("refined depth is the same bytes each time, and as good with sources in another order") {

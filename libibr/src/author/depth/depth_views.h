@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pinhole pictures in which a scene's depth is found: its photographs, and the faces of its panoramas.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ibr/camera.h"
+
+namespace ibr {
+
+struct DepthView {
+  std::uint32_t node = 0;  // the photograph
+  bool isFace = false;     // of a panorama
+  Camera camera;           // at the photograph's stored size
+};
+
+/// In the order of the photographs; a panorama has its depthFaces() in their order.
+std::vector<DepthView> depthViews(std::span<const Camera> photographs);
+
+}  // namespace ibr

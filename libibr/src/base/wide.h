@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inner loops compiled twice: for every processor of the kind, and for those that have AVX2. Both give the same bits,
+// since nothing is contracted or reordered.
+//
+//   [[gnu::always_inline]] inline void sums(const float* a, float* out, int n) { … }
+//   runWide<sums>(a, out, n);
+#pragma once
+
+namespace ibr {
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+inline bool processorHasAvx2() {
+  return __builtin_cpu_supports("avx2") != 0;
+}
+#define IBR_AVX2 __attribute__((target("avx2")))
+
+#else
+
+inline bool processorHasAvx2() {
+  return false;
+}
+#define IBR_AVX2
+
+#endif
+
+/// Whether runWide takes the version for AVX2. Only tests set it, on one thread.
+inline bool& usesAvx2() {
+  static bool uses = processorHasAvx2();
+  return uses;
+}
+
+template <auto kLoop, class... Arguments>
+IBR_AVX2 auto runForAvx2(Arguments... arguments) {
+  return kLoop(arguments...);
+}
+
+/// kLoop(arguments…), `arguments` by value. kLoop is always inlined; what it calls is as well.
+template <auto kLoop, class... Arguments>
+auto runWide(Arguments... arguments) {
+  return usesAvx2() ? runForAvx2<kLoop>(arguments...) : kLoop(arguments...);
+}
+
+}  // namespace ibr
