@@ -192,8 +192,9 @@ struct BuildOptions {
   bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
   DepthSearch depth = DepthSearch::refined;
   int backdropSpacing = 2;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
-  std::filesystem::path finishedCells;  // folder in which finished cells and backdrops are kept for further builds,
-                                        // whose results they never change; empty: in the output, until it is finished
+  std::filesystem::path finishedCells;  // folder in which finished cells, depth and backdrops are kept for further
+                                        // builds, whose results they never change; empty: in the output, until it is
+                                        // finished
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
   TriangleFilter triangleFilter = TriangleFilter::consistency;
   SceneFinisher finish;                                   // none: nothing

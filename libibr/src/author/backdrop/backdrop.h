@@ -4,7 +4,8 @@
 //   1. depth completed (complete_depth.h)
 //   2. vertices by quadtree, where parallax is not linear; more along the picture's border and in its corners, so that
 //      the Delaunay triangles fill it exactly
-//   3. triangles stretched across an edge of known depth are split: both surfaces go on to the middle. Where depth was
+//   3. triangles stretched across an edge of known depth are split: both surfaces go on to where it jumps. Where depth
+//   was
 //      completed they become tier 1 of the mesh: they close it, and are drawn after the others of all backdrops, since
 //      another photograph may see what is behind
 #pragma once

@@ -27,10 +27,10 @@ constexpr const char* kKind = "depth";  // of kept file
 constexpr int kFiner = 2;               // sides of the pictures that depth is refined in, in the depth's
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
-// A photograph's picture as one of its views sees it, at any size; its masks likewise.
-class Source {
+// A photograph's picture as one of its views sees it, at any size; its mask likewise.
+class LoadedPhotograph {
  public:
-  explicit Source(const Photograph& photograph)
+  explicit LoadedPhotograph(const Photograph& photograph)
       : photograph_(photograph), colours_(loadPhotograph(photograph)), mask_(storedMask(photograph)) {
     if (!isPanorama(photograph)) return;
     sphere_.emplace(colours_);
@@ -127,16 +127,16 @@ DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options,
 }
 
 void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
-  const Source source(photograph);
+  const LoadedPhotograph loaded(photograph);
   for (std::size_t v = first; v < views_.size() && views_[v].node == views_[first].node; ++v) {
     const Camera& stored = views_[v].camera;
     const glm::ivec2 size = sweptSize(stored.intrinsics), whole(stored.intrinsics.width, stored.intrinsics.height);
     const auto picture = [&](glm::ivec2 at, int window) -> Picture {
       const Camera camera{resized(stored.intrinsics, at.x, at.y), stored.pose};
-      return {camera, greyOf(source.colours(camera)), widenedMask(source.mask(camera), window)};
+      return {camera, greyOf(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
     };
     small_[v] = picture(size, kSweptWindow);
-    fine_[v] = picture(glm::min(kFiner * size, whole), kRefinedWindow);
+    if (isRefined()) fine_[v] = picture(glm::min(kFiner * size, whole), kRefinedWindow);
   }
 }
 
@@ -156,10 +156,6 @@ std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint3
   return hash.value();
 }
 
-std::vector<std::uint32_t> DepthMatcher::sourcesOf(std::size_t view) const {
-  return depthSources(model_, views_, tracksOf_, std::uint32_t(view));
-}
-
 std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<Picture>& pictures,
                                              std::span<const std::uint32_t> which) {
   std::vector<SweepView> views;
@@ -172,12 +168,12 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   for (const std::uint32_t t : tracksOf_[views_[view].node])
     if (const double w = inverseDepthSeen(small_[view].camera, model_.tracks[t].position); w > 0 && std::isfinite(w))
       tracks.push_back(w);
-  const std::vector<std::uint32_t> sources = sourcesOf(view);
+  const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, tracks), kKind);
   if (auto kept = fetchDepth(file)) return kept;
   SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks));
-  if (options_.depth != DepthSearch::swept)
+  if (isRefined())
     refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources), options_.depth == DepthSearch::fine ? 2 : 1);
   storeDepth(file, depth);
   return depth;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a build's photographs and of its panoramas' faces, each swept against all that see the same places, and
-// refined in pictures of twice the size.
+// Depth of a build's photographs and of its panoramas' faces, each swept against all that see the same places and, as
+// BuildOptions::depth asks, refined in pictures of twice the size.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace ibr {
 
 /// The size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
 glm::ivec2 sweptSize(const Intrinsics& stored);
-/// Bytes that are held of a view by the pixel of that size: grey pictures and masks.
+/// Bytes that are held of a view by the pixel of that size, at most: grey pictures and masks.
 inline constexpr double kHeldBytesPerPixel = 10;
 
 /// The memory that it takes at most to read the pictures of a photograph's views, bytes.
@@ -47,7 +47,7 @@ class DepthMatcher {
   };
   void readViews(const Photograph& photograph, std::size_t first);
 
-  std::vector<std::uint32_t> sourcesOf(std::size_t view) const;
+  bool isRefined() const { return options_.depth != DepthSearch::swept; }
   static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
                       const std::vector<double>& trackInverseDepths) const;
@@ -57,7 +57,7 @@ class DepthMatcher {
   PosedModel model_;  // the input's; photographs without tracks have those of cells
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
-  std::vector<Picture> small_, fine_;  // to sweep, and to refine; of the views
+  std::vector<Picture> small_, fine_;  // of the views: to sweep, and to refine, if so
 };
 
 }  // namespace ibr

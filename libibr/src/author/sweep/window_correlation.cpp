@@ -260,8 +260,8 @@ void WindowCorrelation::addMaskedPair(const WarpedView& a, const WarpedView& b, 
   for (int x = first; x <= last; ++x) {
     if (!used(a, x) || !used(b, x)) continue;
     const auto sum = [&](int q) { return &sum_[std::size_t(q)][std::size_t(x)]; };
-    runWide<correlate>(sum(2 * i), sum(2 * i + 1), sum(2 * j), sum(2 * j + 1), sum(int(product)),
-                       &total_[std::size_t(x)], &count_[std::size_t(x)], 1);
+    correlate(sum(2 * i), sum(2 * i + 1), sum(2 * j), sum(2 * j + 1), sum(int(product)), &total_[std::size_t(x)],
+              &count_[std::size_t(x)], 1);
   }
 }
 
