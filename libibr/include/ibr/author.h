@@ -132,7 +132,7 @@ enum class DepthSearch : std::uint8_t {
   fast,     // none: it has the depth of its cells, or of its points
   swept,    // against up to ten others, in levels
   refined,  // then by slanted planes, to a part of a level
-  fine,     // by twice as many of them
+  fine,     // that in twice the sides
 };
 constexpr const char* depthSearchName(DepthSearch search) {
   constexpr const char* kNames[] = {"fast", "swept", "refined", "fine"};

@@ -2,11 +2,13 @@
 #include "author/build/backdrop_maker.h"
 
 #include <algorithm>
+#include <bit>
 #include <glm/geometric.hpp>
 #include <span>
 
 #include "author/backdrop/backdrop.h"
 #include "author/build/cell_cache.h"
+#include "author/build/depth_matcher.h"
 #include "author/geometry/posed_model.h"
 #include "author/geometry/simplex.h"
 #include "author/pixels/resize.h"
@@ -62,9 +64,10 @@ MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth
   const double step = stepOf(cellsWith_[photograph], sizes_);
   const Intrinsics& size = depth.matched.map.camera.intrinsics;
   const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), size.width, size.height));
+  const int spacing = std::min(32, options_.backdropSpacing * int(std::bit_floor(unsigned(depth.finer))));
   Hash hash;
   hash.add(kVersion);
-  hash.add(options_.backdropSpacing);
+  hash.add(spacing);
   hash.add(step);
   hash.add(spacing_);
   addPhotograph(hash, input_, photograph);
@@ -77,7 +80,7 @@ MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth
     result.made.resumed = true;
   } else {
     result.made.cell = buildBackdrop(photo.camera, whole.kept, whole.maps.inverseDepth,
-                                     {.step = step, .cut = kCut * spacing_, .spacing = options_.backdropSpacing});
+                                     {.step = step, .cut = kCut * spacing_, .spacing = spacing});
     storeCell(keptFolder(options_), key, result.made.cell);
   }
   addEvidence(result.made.cell.mesh, photo.camera.intrinsics, whole);
@@ -94,7 +97,7 @@ double BackdropMaker::bytes() const {
   double most = 0;
   for (const Photograph& photo : input_.photographs) {
     const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-    most = std::max(most, kBackdropBytesPerPixel * size.x * size.y + bytesToLoad(photo));
+    most = std::max(most, kBackdropBytesPerPixel * finerPixels(options_.depth) * size.x * size.y + bytesToLoad(photo));
   }
   return most;
 }

@@ -112,8 +112,9 @@ class Predictor {
       work_.backdropPixels += double(size.x) * size.y;
       const glm::ivec2 texels = depthTextureSize(size, k.width);
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
-      depths_ += kDepthBytesPerPixel * size.x * size.y;
-      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * size.x * size.y);
+      const double depthPixels = double(size.x) * size.y * (isPanorama(photo) ? 1 : finerPixels(options_.depth));
+      depths_ += kDepthBytesPerPixel * depthPixels;
+      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * depthPixels);
       if (options_.depth == DepthSearch::fast) continue;
       reading_ = std::max(reading_, bytesToReadViews(photo));
       for (const DepthView& view : depthViews({&photo.camera, 1})) {
@@ -124,7 +125,7 @@ class Predictor {
         sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
       }
     }
-    work_.refinements = options_.depth == DepthSearch::swept ? 0 : options_.depth == DepthSearch::fine ? 2 : 1;
+    work_.refinements = options_.depth == DepthSearch::swept ? 0 : finerPixels(options_.depth);
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
   }

@@ -22,9 +22,8 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 3;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 4;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
-constexpr int kFiner = 2;               // sides of the pictures that depth is refined in, in the depth's
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
 // A photograph's picture as one of its views sees it, at any size; its mask likewise.
@@ -84,6 +83,18 @@ std::optional<SweptDepth> fetchDepth(const std::filesystem::path& file) {
   return depth;
 }
 
+// Each pixel has the depth of the one that it lies in.
+SweptDepth enlarged(const SweptDepth& depth, int width, int height) {
+  SweptDepth large{ImageF(width, height, 1), Image8(width, height, 1), depth.level};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int u = x * depth.sky.width / width, v = y * depth.sky.height / height;
+      large.inverseDepth.pixel(x, y)[0] = depth.inverseDepth.pixel(u, v)[0];
+      large.sky.pixel(x, y)[0] = depth.sky.pixel(u, v)[0];
+    }
+  return large;
+}
+
 }  // namespace
 
 glm::ivec2 sweptSize(const Intrinsics& stored) {
@@ -136,7 +147,7 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
       return {camera, greyOf(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
     };
     small_[v] = picture(size, kSweptWindow);
-    if (isRefined()) fine_[v] = picture(glm::min(kFiner * size, whole), kRefinedWindow);
+    if (isRefined()) fine_[v] = picture(glm::min(kFinerSides * size, whole), kRefinedWindow);
   }
 }
 
@@ -173,8 +184,9 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, tracks), kKind);
   if (auto kept = fetchDepth(file)) return kept;
   SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks));
-  if (isRefined())
-    refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources), options_.depth == DepthSearch::fine ? 2 : 1);
+  const Image8& fine = fine_[view].grey;
+  if (options_.depth == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
+  if (isRefined()) refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources));
   storeDepth(file, depth);
   return depth;
 }

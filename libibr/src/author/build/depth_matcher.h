@@ -19,6 +19,12 @@ namespace ibr {
 
 /// The size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
 glm::ivec2 sweptSize(const Intrinsics& stored);
+/// Sides of the pictures that depth is refined in, in those of sweptSize, if the photograph is as large.
+inline constexpr int kFinerSides = 2;
+/// Pixels of a pinhole's depth, at most, by those of backdropSize.
+inline int finerPixels(DepthSearch depth) {
+  return depth == DepthSearch::fine ? kFinerSides * kFinerSides : 1;
+}
 /// Bytes that are held of a view by the pixel of that size, at most: grey pictures and masks.
 inline constexpr double kHeldBytesPerPixel = 10;
 
@@ -31,8 +37,8 @@ class DepthMatcher {
   /// loadPhotograph and BuildJobs::runAll do.
   DepthMatcher(const BuildInput& input, const BuildOptions& options, const Scene& scene, const BuildJobs& jobs);
 
-  /// Of one of the photographs' depthViews(), at sweptSize(). nullopt where no other view sees the same places.
-  /// Finished depth is kept as cells are. Any number of threads.
+  /// Of one of the photographs' depthViews(), at sweptSize(); DepthSearch::fine: kFinerSides of it. nullopt where no
+  /// other view sees the same places. Finished depth is kept as cells are. Any number of threads.
   std::optional<SweptDepth> match(std::size_t view) const;
 
   /// Memory that `match` takes at most, bytes, beside what is held of each photograph from the beginning on.

@@ -39,7 +39,8 @@ ImageF keptDepth(const PhotographDepth& depth) {
     if (!believed) kept.values[p] = kUnknownDepth;
   }
   if (depth.sparse) return kept;
-  const std::vector<bool> speckle = speckles(kept, kSurfaceSteps * float(depth.matched.step), kLeastSurface);
+  const std::vector<bool> speckle =
+      speckles(kept, kSurfaceSteps * float(depth.matched.step), kLeastSurface * depth.finer * depth.finer);
   for (std::size_t p = 0; p < kept.values.size(); ++p)
     if (speckle[p]) kept.values[p] = kUnknownDepth;
   return kept;
@@ -88,6 +89,10 @@ FoundDepth depthOf(const Scene& scene, std::span<const DepthView> views, std::si
                                  : depthInScene(scene, view.node, {k.width, k.height})}};
   const auto points = options.points ? options.points(view.node) : std::vector<glm::dvec3>{};
   return {{camera, depthOfPoints(camera, points)}, {}, true};
+}
+
+int finerThanBackdrop(const Intrinsics& map, const Intrinsics& stored) {
+  return std::max(1, int(std::lround(double(map.width) / backdropSize(stored).x)));
 }
 
 // Beyond the seam of a panorama is its other end.
@@ -168,7 +173,8 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
       depth = onSphere(sizedAs(cameras[node], backdropSize(cameras[node].intrinsics)), faces);
       faces.clear();
     }
-    result.push_back({std::move(depth), node, std::exchange(sparse, true)});
+    const int finer = finerThanBackdrop(depth.matched.map.camera.intrinsics, cameras[node].intrinsics);
+    result.push_back({std::move(depth), node, std::exchange(sparse, true), finer});
   }
   return result;
 }

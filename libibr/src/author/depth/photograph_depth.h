@@ -25,13 +25,14 @@
 namespace ibr {
 
 inline constexpr float kCompletedConsensus = 0.1f;
-inline constexpr int kLeastSurface = 30;          // px of the depth's picture
+inline constexpr int kLeastSurface = 30;          // px of a depth's picture of backdropSize
 inline constexpr std::size_t kDepthSources = 10;  // photographs that are asked about one photograph's depth
 
 /// A photograph's depth as it was matched, and its evidence.
 struct PhotographDepth : MatchedDepth {
   std::uint32_t node = 0;
   bool sparse = false;  // the depth is that of points
+  int finer = 1;        // about how many px of its picture lie along one of backdropSize's
 };
 
 /// The depth of one of the photographs' depthViews() as it was matched; nullopt where it was not.

@@ -55,8 +55,8 @@ class Refiner {
       }
   }
 
-  ImageF run(int rounds) {
-    for (std::size_t scan = 0; scan < std::size_t(rounds) * kMoves.size(); ++scan) {
+  ImageF run() {
+    for (std::size_t scan = 0; scan < kMoves.size(); ++scan) {
       const bool forward = scan % 2 == 0;
       const int before = forward ? -1 : 1;
       for (int j = 0; j < swept_.height; ++j)
@@ -143,7 +143,7 @@ class Refiner {
     };
     continued(x + before, y);
     continued(x, y + before);
-    const float move = kMoves[scan % kMoves.size()] * level_ / float(1 << (scan / kMoves.size()));
+    const float move = kMoves[scan] * level_;
     for (const float way : {-move, move}) attempt({planes_[p].inverseDepth + way, planes_[p].slope});
     attempt(
         {planes_[p].inverseDepth, planes_[p].slope + kTurn * move * glm::vec2(noise(p, scan, 0), noise(p, scan, 1))});
@@ -177,8 +177,8 @@ class Refiner {
 
 }  // namespace
 
-void refineDepth(SweptDepth& depth, const SweepView& photograph, std::span<const SweepView> sources, int rounds) {
-  depth.inverseDepth = Refiner(depth, photograph, sources).run(rounds);
+void refineDepth(SweptDepth& depth, const SweepView& photograph, std::span<const SweepView> sources) {
+  depth.inverseDepth = Refiner(depth, photograph, sources).run();
 }
 
 }  // namespace ibr

@@ -19,8 +19,7 @@ namespace ibr {
 /// Refines depth.inverseDepth but for the sky and what is unknown. `photograph` and `sources`: those that the depth was
 /// swept with, at any size, twice the depth's for example; the sources' masks are 0 where nothing is to be read.
 /// Does not depend on threads: the same bytes always.
-/// `rounds` of the three scans, each by half of the moves of the one before.
-void refineDepth(SweptDepth& depth, const SweepView& photograph, std::span<const SweepView> sources, int rounds = 1);
+void refineDepth(SweptDepth& depth, const SweepView& photograph, std::span<const SweepView> sources);
 /// Memory that it takes beside the pictures.
 inline constexpr double kRefinedBytesPerPixel = 40;
 

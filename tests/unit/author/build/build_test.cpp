@@ -754,6 +754,7 @@ TEST_CASE("photographs that are added to a build with kept work are matched with
 TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
   const Set set;
   std::size_t kept = 0;
+  std::map<DepthSearch, std::uintmax_t> bytes;  // of kept depth
   for (const DepthSearch search : {DepthSearch::fast, DepthSearch::swept, DepthSearch::refined, DepthSearch::fine}) {
     CAPTURE(depthSearchName(search));
     BuildOptions options = set.options(depthSearchName(search));
@@ -764,11 +765,18 @@ TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
     CHECK_THAT(scene.settings, Contains(fmt::format(R"("depth":"{}")", depthSearchName(search))));
     CHECK(scene.backdrops.size() == 4);
     std::size_t files = 0;
-    for (const auto& entry : fs::directory_iterator(options.finishedCells))
-      files += entry.path().extension() == ".depth";
+    for (const auto& entry : fs::directory_iterator(options.finishedCells)) {
+      if (entry.path().extension() != ".depth") continue;
+      ++files;
+      bytes[search] += entry.file_size();
+    }
     CHECK(files == (search == DepthSearch::fast ? 0 : kept + 4));
     kept = files;
   }
+  // `bytes` are of all searches up to that one; four times the pixels.
+  CHECK(bytes[DepthSearch::refined] == 2 * bytes[DepthSearch::swept]);
+  CHECK(double(bytes[DepthSearch::fine] - bytes[DepthSearch::refined]) ==
+        Approx(4.0 * double(bytes[DepthSearch::swept])).epsilon(0.01));
 }
 
 TEST_CASE("posed photographs are those that a build stores") {

@@ -212,15 +212,16 @@ TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm
 }
 
 TEST_CASE("confirmed surfaces that are too small are completed from around") {
-  for (const int side : {5, 6}) {
-    CAPTURE(side);
+  for (const auto& [side, finer] : {std::pair(5, 1), std::pair(6, 1), std::pair(10, 2), std::pair(11, 2)}) {
+    CAPTURE(side, finer);
     PhotographDepth depth;
+    depth.finer = finer;
     depth.matched = {{{pinholeFromFov(40, 30, 1), {}}, ImageF(40, 30, 1, 0.5f)}, 0.01, 0};
     depth.evidence = {Image8(40, 30, 1, 4), Image8(40, 30, 1, 0), Image8(40, 30, 1, 4)};
     for (int y = 10; y < 10 + side; ++y)
       for (int x = 10; x < 10 + side; ++x) depth.matched.map.inverseDepth.pixel(x, y)[0] = 2;
     const CompletedDepth whole = completed(depth, Image8(40, 30, 3, 90));
-    const bool large = side * side >= kLeastSurface;
+    const bool large = side * side >= kLeastSurface * finer * finer;
     CHECK(valueAt(whole.maps.inverseDepth, 12, 12) == Approx(large ? 2 : 0.5));
     CHECK(int(whole.confirmations.pixel(12, 12)[0]) == (large ? 4 : 0));
   }
@@ -231,11 +232,17 @@ TEST_CASE("what was matched for a photograph comes before what its cells have, a
   SweptDepth matched{ImageF(48, 36, 1, 0.125f), Image8(48, 36, 1, 0)};
   matched.sky.values[7] = 255;
   const std::vector<PhotographDepth> depths = depthOfPhotographs(
-      made.scene, {.matches = [&](std::size_t view) { return view == 1 ? std::optional(matched) : std::nullopt; }});
+      made.scene, {.matches = [&](std::size_t view) -> std::optional<SweptDepth> {
+        if (view == 2)
+          return SweptDepth{ImageF(2 * kWidth, 2 * kHeight, 1, 0.125f), Image8(2 * kWidth, 2 * kHeight, 1)};
+        return view == 1 ? std::optional(matched) : std::nullopt;
+      }});
+  CHECK(depths[2].finer == 2);
   CHECK(depths[1].matched.map.inverseDepth == matched.inverseDepth);
   CHECK(depths[1].sky == matched.sky);
   CHECK(depths[1].matched.map.camera.intrinsics.width == 48);
   CHECK(depths[1].matched.map.camera.intrinsics.fx == Approx(made.scene.nodes[1].camera.intrinsics.fx / 2));
+  CHECK(depths[1].finer == 1);
   CHECK(depths[0].sky.empty());
   CHECK(valueAt(depths[0].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
 }
