@@ -96,7 +96,10 @@ Evaluator::Evaluator(const Scene& scene, const std::vector<View>& views, const E
       options_(withHoles(options)),
       renderer_(scene, views, options.gpuScene, rendererOptions(scene, options_), context) {
   if (wantsSimpleOnes(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
-  if (std::ranges::find(options.baselines, "gathered") != options.baselines.end())
+  if (std::ranges::find(options.baselines, "gathered") == options.baselines.end()) return;
+  if (isGatherable(scene))
+    reference_.emplace(scene, context.options().threads);
+  else
     gathered_.emplace(scene, context.options().threads);
 }
 
@@ -171,10 +174,14 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
 }
 
 Scores Evaluator::gathered(const View& view, const Image8& truth, const Image8& used) {
-  const FramePlan plan = planFrame(scene_, bounds_, {{view.camera}, options_.settings});
-  gathered_->expose(options_.settings.exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
+  const Exposure exposure = options_.settings.exposure;
+  if (gathered_) {
+    const FramePlan plan = planFrame(scene_, bounds_, {{view.camera}, options_.settings});
+    gathered_->expose(exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
+  }
   const auto begin = std::chrono::steady_clock::now();
-  const reference::Composed composed = gathered_->compose(view.camera);
+  const reference::Composed composed =
+      reference_ ? reference_->compose(view.camera, exposure) : gathered_->compose(view.camera);
   Scores scores = score(composed.picture, truth, options_.fitGain, used);
   scores.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   scores.guessed = 1 - scores.coverageTier0;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "batch/evaluate/gathered_views.h"
+#include "batch/evaluate/reference_views.h"
 #include "batch/evaluate/scores.h"
 #include "ibr/baselines.h"
 #include "shared/camera/camera_path.h"
@@ -73,7 +74,8 @@ class Evaluator {
   EvaluationOptions options_;
   SceneRenderer renderer_;
   std::optional<Baselines> baselines_;
-  std::optional<GatheredViews> gathered_;
+  std::optional<ReferenceViews> reference_;  // of a scene whose photographs have evidence of their depth …
+  std::optional<GatheredViews> gathered_;    // … and of one without
   bool first_ = true;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views that the reference composer makes from a scene's photographs and the depth that its cells have found.
+// Views that the reference composer makes from a scene's photographs and the depth that its cells have found, of scenes
+// whose photographs have no depth of their own.
 #pragma once
 
 #include <glm/vec3.hpp>

@@ -203,6 +203,31 @@ TEST_CASE("baselines are scored beside ours, and return photographs at their own
     CHECK(fs::exists(folder / "out" / name / "between.png"));
 }
 
+TEST_CASE("the reference composer gathers what a device gathers, and of scenes without backdrops what cells have") {
+  if (!test::deviceIsThere()) return;
+  test::TemporaryFolder folder;
+  const auto evaluate = [&](const fs::path& scene) {
+    const auto outcome =
+        runProgram({"eval", scene, "--truth", test::tinySet().truth, "--composition", "gathered", "--vote-scale", "1",
+                    "--tiers", "3", "--baselines", "gathered", "--json", folder / "report.json"});
+    INFO(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return json::parse(readTextFile(folder / "report.json")).at("views").at(0);
+  };
+  const json gathered = evaluate(test::tinyScene());
+  const json& composed = gathered["baselines"]["gathered"];
+  CHECK(composed["coverage"] > 0.98);  // colours are not filled where no photograph shows the depth that was
+  CHECK(double(composed["psnrCovered"]) == Approx(double(gathered["psnr"])).margin(0.3));
+
+  const fs::path bare = folder / "bare";
+  const auto built = runProgram({"build", test::tinySet().photographs, "--no-backdrops", "-o", bare, "-q"});
+  INFO(built.err);
+  REQUIRE(built.code == 0);
+  const json cells = evaluate(bare);  // which are drawn for want of evidence
+  CHECK(cells["baselines"]["gathered"]["psnr"] > 20);
+  CHECK(cells["baselines"]["gathered"]["psnr"] != composed["psnr"]);
+}
+
 namespace {
 
 // 16 bits, 400 steps everywhere.
