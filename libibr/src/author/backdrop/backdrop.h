@@ -5,9 +5,8 @@
 //   2. vertices by quadtree, where parallax is not linear; more along the picture's border and in its corners, so that
 //      the Delaunay triangles fill it exactly
 //   3. triangles stretched across an edge of known depth are split: both surfaces go on to where it jumps. Where depth
-//   was
-//      completed they become tier 1 of the mesh: they close it, and are drawn after the others of all backdrops, since
-//      another photograph may see what is behind
+//      was completed they become tier 1 of the mesh: they close it, and are drawn after the others of all backdrops,
+//      since another photograph may see what is behind
 #pragma once
 
 #include "author/mesh/mesh.h"
@@ -22,7 +21,7 @@ struct BackdropOptions {
   int spacing = 8;  // least between vertices, in px of the depth's picture; a power of two, 2 to 32
 };
 
-/// Longest side of the pictures that depths of backdrops are kept in, px.
+/// Longest side of the pictures that depths of backdrops are kept in, px, but for DepthSearch::fine.
 inline constexpr int kBackdropSide = 512;
 inline constexpr int kPanoramaSide = 2048;  // of a panorama's
 
@@ -30,8 +29,8 @@ inline constexpr int kPanoramaSide = 2048;  // of a panorama's
 glm::ivec2 backdropSize(const Intrinsics& stored);
 
 /// `stored`: the photograph's camera at its stored size. `inverseDepth`: along its axis (of a panorama: along the ray),
-/// of backdropSize, kUnknownDepth where unknown; `colours`: RGB, the same size. Matches are in px of the stored
-/// photograph. quality.coverage is the share of the picture whose depth was known.
+/// of backdropSize or finer, kUnknownDepth where unknown; `colours`: RGB, the same size. Matches are in px of the
+/// stored photograph. quality.coverage is the share of the picture whose depth was known.
 CellMesh buildBackdrop(const Camera& stored, const ImageF& inverseDepth, const Image8& colours,
                        const BackdropOptions& options);
 

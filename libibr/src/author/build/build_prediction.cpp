@@ -112,9 +112,10 @@ class Predictor {
       work_.backdropPixels += double(size.x) * size.y;
       const glm::ivec2 texels = depthTextureSize(size, k.width);
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
-      const double depthPixels = double(size.x) * size.y * (isPanorama(photo) ? 1 : finerPixels(options_.depth));
-      depths_ += kDepthBytesPerPixel * depthPixels;
-      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * depthPixels);
+      const double whole = double(size.x) * size.y, finer = finerPixels(options_.depth);
+      depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
+      const double completed = (isPanorama(photo) ? 1 : finer) * whole;
+      completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * completed);
       if (options_.depth == DepthSearch::fast) continue;
       reading_ = std::max(reading_, bytesToReadViews(photo));
       for (const DepthView& view : depthViews({&photo.camera, 1})) {

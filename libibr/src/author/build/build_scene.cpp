@@ -354,7 +354,7 @@ class Builder {
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : finerPixels(options_.depth)) * size.x * size.y);
+      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finerPixels(options_.depth) * size.x * size.y);
     }
     std::optional<DepthMatcher> matcher;
     DepthMatches matches;

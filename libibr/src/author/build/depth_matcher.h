@@ -21,7 +21,7 @@ namespace ibr {
 glm::ivec2 sweptSize(const Intrinsics& stored);
 /// Sides of the pictures that depth is refined in, in those of sweptSize, if the photograph is as large.
 inline constexpr int kFinerSides = 2;
-/// Pixels of a pinhole's depth, at most, by those of backdropSize.
+/// Pixels of a view's depth, at most, by those that it is swept at.
 inline int finerPixels(DepthSearch depth) {
   return depth == DepthSearch::fine ? kFinerSides * kFinerSides : 1;
 }

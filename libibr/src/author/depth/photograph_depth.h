@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of a scene's photographs, at backdropSize, with the evidence that the other photographs give. Of a panorama it
-// is found face by face (panorama_depth.h), and ρ is along the ray.
+// Depth of a scene's photographs, at backdropSize or the size that it was matched at, with the evidence that the other
+// photographs give. Of a panorama it is found face by face (panorama_depth.h), and ρ is along the ray.
 //
 //   depth     as it was matched (photograph_sweep.h). Where it was not: of each cell with the photograph the nearest
 //             surface of tier 0, of all cells the median (scene_depth.h); of a photograph in no cell its points
