@@ -78,6 +78,7 @@ void Session::run() {
       pictureWanted_ = true;
     }
     if (!viewer_.opening.empty() || !viewer_.jobs.empty() || !viewer_.message.empty()) redraws_ = std::max(redraws_, 1);
+    if (interface_.keysWait()) redraws_ = 3;
     if (shaders_) reloadShaders();
     if (redraws_ == 0 && !pictureWanted_) continue;
     if (!draw()) {

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "window/interface.h"
 
+#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <imgui.h>
 
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace fs = std::filesystem;
 
 namespace ibr::app {
 
-Interface::Interface(const Window& window, const fs::path& layout) : layout_(layout.string()), window_(window) {
+Interface::Interface(Window& window, const fs::path& layout) : layout_(layout.string()), window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
@@ -46,8 +48,25 @@ Interface::~Interface() {
   ImGui::DestroyContext();
 }
 
+// ImGui 1.86 sees which keys are down as a frame begins: on a slow device most keys go down and up between two frames,
+// and it would see neither. Each frame gets what happened in its order, and of each key no more than one change.
+void Interface::pressKeys() {
+  ImGuiIO& io = ImGui::GetIO();
+  for (const KeyChange& change : window_.takeKeyChanges())
+    if (change.key >= 0 && change.key < IM_ARRAYSIZE(io.KeysDown)) keyChanges_.push_back(change);
+  std::set<int> waiting;
+  for (const KeyChange& change : keyChanges_)
+    if (waiting.insert(change.key).second) io.KeysDown[change.key] = !change.down;  // as the frame before had it
+  for (; !keyChanges_.empty() && waiting.erase(keyChanges_.front().key) > 0; keyChanges_.pop_front())
+    io.KeysDown[keyChanges_.front().key] = keyChanges_.front().down;
+  io.KeyCtrl = io.KeysDown[GLFW_KEY_LEFT_CONTROL] || io.KeysDown[GLFW_KEY_RIGHT_CONTROL];
+  io.KeyShift = io.KeysDown[GLFW_KEY_LEFT_SHIFT] || io.KeysDown[GLFW_KEY_RIGHT_SHIFT];
+  io.KeyAlt = io.KeysDown[GLFW_KEY_LEFT_ALT] || io.KeysDown[GLFW_KEY_RIGHT_ALT];
+}
+
 void Interface::beginFrame() {
   ImGui_ImplGlfw_NewFrame();
+  pressKeys();
   ImGui::NewFrame();
 }
 

@@ -2,6 +2,7 @@
 // Dear ImGui in a window: its context and input. It is drawn by an InterfaceDrawer.
 #pragma once
 
+#include <deque>
 #include <filesystem>
 #include <string>
 
@@ -12,7 +13,7 @@ namespace ibr::app {
 class Interface {
  public:
   /// `layout`: where panels' places are kept from one run to the next; empty: nowhere.
-  Interface(const Window& window, const std::filesystem::path& layout);
+  Interface(Window& window, const std::filesystem::path& layout);
   Interface(const Interface&) = delete;
   Interface& operator=(const Interface&) = delete;
   ~Interface();
@@ -24,9 +25,15 @@ class Interface {
   /// A frame of ImGui; the drawer's has begun.
   void beginFrame();
 
+  /// Keys did more than one frame can show, such as down and up again: the next frame shows more of it.
+  bool keysWait() const noexcept { return !keyChanges_.empty(); }
+
  private:
+  void pressKeys();
+
   std::string layout_;
-  const Window& window_;
+  Window& window_;
+  std::deque<KeyChange> keyChanges_;  // that no frame has shown
   float scale_ = 0;
 };
 

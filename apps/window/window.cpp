@@ -54,6 +54,7 @@ Window::Window(const std::string& title, int width, int height) {
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double) { of(w).touched_ = true; });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int scancode, int action, int mods) {
     of(w).touched_ = true;
+    if (action != GLFW_REPEAT) of(w).keyChanges_.push_back({key, action == GLFW_PRESS});
     if (action != GLFW_PRESS) return;
     of(w).keys_.push_back({key, key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
     // Where a letter stands on this keyboard is another matter.
@@ -129,6 +130,10 @@ std::vector<std::filesystem::path> Window::takeDropped() {
 
 std::vector<KeyPress> Window::takeKeys() {
   return std::exchange(keys_, {});
+}
+
+std::vector<KeyChange> Window::takeKeyChanges() {
+  return std::exchange(keyChanges_, {});
 }
 
 std::string Window::clipboard() const {

@@ -19,6 +19,12 @@ struct KeyPress {
   bool control = false, shift = false;
 };
 
+/// A key that went down or up; GLFW's number.
+struct KeyChange {
+  int key = 0;
+  bool down = false;
+};
+
 class Window {
  public:
   /// Throws Error{unsupported} where there is no display or no Vulkan for it.
@@ -50,6 +56,8 @@ class Window {
 
   /// Keys pressed since the last call, in order.
   std::vector<KeyPress> takeKeys();
+  /// What keys did since the last call, in order.
+  std::vector<KeyChange> takeKeyChanges();
 
   std::string clipboard() const;
   void setClipboard(const std::string& text);
@@ -60,6 +68,7 @@ class Window {
   bool touched_ = false;
   std::vector<std::filesystem::path> dropped_;
   std::vector<KeyPress> keys_;
+  std::vector<KeyChange> keyChanges_;
 };
 
 /// Ends a wait of handleEvents, from any thread.

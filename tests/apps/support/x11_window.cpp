@@ -112,7 +112,43 @@ void setDpi(int dotsPerInch) {
                   reinterpret_cast<const unsigned char*>(text.data()), int(text.size()));
 }
 
+// One answer of the window: programs send the question on to the root window, where window managers hear it
+// (Extended Window Manager Hints, "_NET_WM_PING").
+void ping(Display* display, Window window, long stamp) {
+  using Clock = std::chrono::steady_clock;
+  const Atom protocols = XInternAtom(display, "WM_PROTOCOLS", False),
+             question = XInternAtom(display, "_NET_WM_PING", False);
+  XEvent event{};
+  event.xclient.type = ClientMessage;
+  event.xclient.window = window;
+  event.xclient.message_type = protocols;
+  event.xclient.format = 32;
+  event.xclient.data.l[0] = long(question);
+  event.xclient.data.l[1] = stamp;
+  event.xclient.data.l[2] = long(window);
+  XSendEvent(display, window, False, NoEventMask, &event);
+  XFlush(display);
+  for (const auto until = Clock::now() + std::chrono::minutes(2); Clock::now() < until;) {
+    if (XPending(display) == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      continue;
+    }
+    XNextEvent(display, &event);
+    const auto& answer = event.xclient;
+    if (event.type == ClientMessage && answer.message_type == protocols && answer.data.l[0] == long(question) &&
+        answer.data.l[1] == stamp && answer.data.l[2] == long(window))
+      return;
+  }
+  throw std::runtime_error("the window does not answer");
+}
+
 }  // namespace
+
+void waitForFrames(const std::string& window, int times) {
+  const auto display = openDisplay();
+  XSelectInput(display.get(), DefaultRootWindow(display.get()), SubstructureNotifyMask);
+  for (int i = 1; i <= times; ++i) ping(display.get(), std::stoul(window), i);
+}
 
 MonitorDpi::MonitorDpi(int dotsPerInch) {
   setDpi(dotsPerInch);

@@ -7,6 +7,12 @@
 namespace fs = std::filesystem;
 
 namespace ibr::test {
+namespace {
+
+// A key goes down and up in frames of their own, acts on what the frame before has shown, and its effect is drawn.
+constexpr int kFrames = 5;
+
+}  // namespace
 
 using Catch::Contains;
 using nlohmann::json;
@@ -33,6 +39,7 @@ Image8 settledPixels(const std::string& window) {
   int same = 0;  // times in a row: a busy machine takes its time for a frame
   comes([&] {
     sleepFor(0.4);
+    waitForFrames(window, kFrames);
     before = std::exchange(pixels, pixelsOf(window));
     same = pixels.width > 0 && pixels.values == before.values ? same + 1 : 0;
     return same == 2;
@@ -69,27 +76,27 @@ glm::dquat rotationOf(const json& place) {
   return {q[3].get<double>(), q[0].get<double>(), q[1].get<double>(), q[2].get<double>()};
 }
 
+void act(const std::vector<std::string>& arguments) {
+  xdotool(arguments);
+  std::string window = xdotool({"getactivewindow"});
+  window.erase(window.find_last_not_of('\n') + 1);
+  waitForFrames(window, kFrames);
+}
+
 void hold(const char* key, double seconds) {
-  xdotool({"keydown", key});
+  act({"keydown", key});
   sleepFor(seconds);
-  xdotool({"keyup", key});
+  act({"keyup", key});
 }
 
 void recordPath() {
-  xdotool({"key", "k"});
-  xdotool({"key", "p"});
-  sleepFor(1);
+  pressAll({"k", "p"});
   hold("w", 0.4);
-  sleepFor(0.8);
-  xdotool({"key", "k"});
-  sleepFor(0.2);
+  pressAll({"k"});
 }
 
 void pressAll(const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) {
-    xdotool({"key", key});
-    sleepFor(0.4);  // a key acts on what the frame before has shown
-  }
+  for (const std::string& key : keys) act({"key", "--delay", "0", key});  // down and up between two frames
 }
 
 void makeModel(const TemporaryFolder& folder) {

@@ -44,6 +44,8 @@ nlohmann::json whileViewing(std::vector<std::string> arguments,
 bool canView();
 glm::dvec3 positionOf(const nlohmann::json& place);
 glm::dquat rotationOf(const nlohmann::json& place);
+/// xdotool ARGUMENTS, and frames in which the program takes notice of them, acts on them and shows it.
+void act(const std::vector<std::string>& arguments);
 void hold(const char* key, double seconds);
 
 /// Two keys of a path, and a picture from the first.

@@ -17,13 +17,8 @@ TEST_CASE("keys alone look around, go through the panel, and change a setting th
   const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
   CHECK(glm::dot(rotationOf(looked) * glm::dvec3(0, 0, -1), right) > 0.02);
 
-  // As slowly as a slow device draws: a key acts on what the frame before has shown.
   const auto chosen = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
-    for (const char* key :
-         {"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"}) {  // the place, pages in two rows, presets
-      xdotool({"key", key});
-      sleepFor(0.4);
-    }
+    pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down"});  // the place, pages in two rows, presets
     for (const char* key : {"w", "k", "bracketright", "l"})
       hold(key, 0.2);  // are the panel's, which has no use for them
   })["places"][0];
@@ -32,10 +27,7 @@ TEST_CASE("keys alone look around, go through the panel, and change a setting th
   CHECK(rotationOf(chosen) == rotationOf(begin));
 
   const auto back = whileViewing({tinyScene(), "--size", "640x480"}, [](const std::string&) {
-    for (const char* key : {"F6", "Down", "F6"}) {
-      xdotool({"key", key});
-      sleepFor(0.4);
-    }
+    pressAll({"F6", "Down", "F6"});
     hold("w", 0.4);
     hold("Right", 0.3);
   })["places"][0];
@@ -48,16 +40,13 @@ TEST_CASE("what is typed into a slider keeps within its bounds, and the place st
   if (!canView()) return;
   const json report = whileViewing({tinyScene(), "--size", "500x400"}, [](const std::string& w) {
     for (const char* page : {"1", "2"}) {
-      xdotool({"key", page});
-      sleepFor(0.4);
+      pressAll({page});
       // Where sliders are, on one page or the other.
       for (const int y : {154, 177, 223, 310, 333}) {
-        xdotool({"mousemove", "--window", w, "270", std::to_string(y)});
-        xdotool({"keydown", "ctrl", "click", "1", "keyup", "ctrl"});
-        sleepFor(0.3);
-        xdotool({"type", "--", "-3000"});
-        xdotool({"key", "Return"});
-        sleepFor(0.3);
+        act({"mousemove", "--window", w, "270", std::to_string(y)});
+        act({"keydown", "ctrl", "click", "1", "keyup", "ctrl"});
+        act({"type", "--", "-3000"});
+        pressAll({"Return"});
       }
     }
   });
@@ -71,12 +60,11 @@ TEST_CASE("presets are measured where the view stands") {
   if (!canView()) return;
   const json place = whileViewing({tinyScene(), "--size", "500x400", "--preset", "accurate", "--texture-scale", "0.1"},
                                   [](const std::string& w) {
-                                    xdotool({"key", "2"});
-                                    sleepFor(0.5);
+                                    pressAll({"2"});
                                     // Where the buttons of the last preset and of what measures stand, more or less.
                                     for (int y = 224; y > 195; y -= 6)
-                                      xdotool({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
-                                    sleepFor(5);
+                                      act({"mousemove", "--window", w, "280", std::to_string(y), "click", "1"});
+                                    settledPixels(w);
                                   })["places"][0];
   const json& effects = place["effects"];
   INFO(effects.dump());
@@ -125,11 +113,8 @@ TEST_CASE("O goes through the overlays, and screenshots of them are drawn again 
   TemporaryFolder folder;
   whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path(), "--mute", "99"},
                [](const std::string&) {
-                 const auto shoot = [](std::vector<const char*> keys) {
-                   for (const char* key : keys) {
-                     xdotool({"key", key});
-                     sleepFor(0.4);
-                   }
+                 const auto shoot = [](const std::vector<std::string>& keys) {
+                   pressAll(keys);
                    sleepFor(1);
                  };
                  shoot({"o", "o", "p"});

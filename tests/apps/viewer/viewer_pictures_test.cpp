@@ -58,12 +58,7 @@ TEST_CASE("lines of the image graph are in pictures as ibr render draws them") {
   whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
     hold("s", 0.6);
     sleepFor(0.8);
-    xdotool({"key", "p"});
-    sleepFor(0.8);
-    xdotool({"key", "g"});
-    sleepFor(0.3);
-    xdotool({"key", "p"});
-    sleepFor(1);
+    pressAll({"p", "g", "p"});
   });
   const auto redrawn = [&](const char* shot, std::vector<std::string> further) {
     further.insert(further.begin(),
@@ -84,19 +79,10 @@ TEST_CASE("a view goes through the clipboard, and a camera path to ibr render") 
   const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
   const auto report =
       whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder.path()}, [](const std::string&) {
-        xdotool({"key", "ctrl+c"});
-        sleepFor(0.3);
-        xdotool({"key", "k"});
+        pressAll({"ctrl+c", "k"});
         hold("w", 0.4);
         sleepFor(0.8);
-        xdotool({"key", "k"});
-        sleepFor(0.3);
-        xdotool({"key", "ctrl+s"});
-        sleepFor(0.3);
-        xdotool({"key", "p"});
-        sleepFor(1);
-        xdotool({"key", "ctrl+v"});
-        sleepFor(0.5);
+        pressAll({"k", "ctrl+s", "p", "ctrl+v"});
       });
   for (const char* field : {"position", "rotation", "fovY"})  // pasted: where it was copied
     CHECK(report["places"][0][field] == begin[field]);
@@ -138,7 +124,7 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
                                       "accurate", "--cells", "1", "--blend", "mixed", "--switch", "0"},
                                      [&](const std::string&) {
                                        recordPath();
-                                       xdotool({"key", "ctrl+m"});
+                                       pressAll({"ctrl+m"});
                                        comes([&] { return fs::exists(video); });
                                      });
     CHECK(report["warnings"].empty());
@@ -160,7 +146,7 @@ TEST_CASE("a camera path becomes a video, drawn with the view's very settings") 
         whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder / "out"},
                      [&](const std::string&) {
                        recordPath();
-                       xdotool({"key", "ctrl+m"});
+                       pressAll({"ctrl+m"});
                        comes([&] {
                          return fs::exists(folder / "out/path_0001.json") &&
                                 picturesThere() == framesIn(json::parse(readTextFile(folder / "out/path_0001.json")));
@@ -185,7 +171,7 @@ TEST_CASE("a harmonised model's path becomes pictures with its very settings") {
         // Settings; the place, pages in two rows, the method: the next of its list.
         pressAll({"2", "F6", "Down", "Down", "Down", "Down", "space", "Down", "space", "F6"});
         recordPath();
-        xdotool({"key", "ctrl+m"});
+        pressAll({"ctrl+m"});
         comes([&] { return fs::exists(pictures / "frame_0000.png"); });
         comes([&] { return fs::exists(folder / "out/path_0001.mp4"); });
       });
@@ -202,11 +188,7 @@ TEST_CASE("a picture that cannot be written is said, and the window stays") {
   writeFile(folder / "file", "in the way");
   const auto report =
       whileViewing({tinyScene(), "--size", "320x240", "--screenshots", folder / "file/below"}, [](const std::string&) {
-        xdotool({"key", "p"});
-        sleepFor(0.7);
-        xdotool({"key", "k"});
-        xdotool({"key", "ctrl+s"});
-        sleepFor(0.5);
+        pressAll({"p", "k", "ctrl+s"});
       });
   CHECK(report["places"].size() == 1);
   CHECK(report["warnings"].size() == 2);
@@ -230,12 +212,7 @@ TEST_CASE("pictures go into the user's folder for them") {
   writeFile(home / ".config/user-dirs.dirs",
             "# comment\nXDG_DESKTOP_DIR=\"$HOME/\"\nXDG_PICTURES_DIR=\"$HOME/Meine Bilder\"\n");
   const auto report = whileViewing(
-      {tinyScene(), "--size", "320x240"},
-      [](const std::string&) {
-        xdotool({"key", "p"});
-        sleepFor(1);
-      },
-      environment);
+      {tinyScene(), "--size", "320x240"}, [](const std::string&) { pressAll({"p"}); }, environment);
   CHECK(fs::exists(home / "Meine Bilder/ibr/view_0001.png"));
   CHECK_THAT(report["said"].dump(), Contains((home / "Meine Bilder/ibr/view_0001.png").string()));
 }

@@ -16,11 +16,9 @@ TEST_CASE("several places are open, each with its own view") {
   const json report = whileViewing({tinyScene(), folder / "other", "--size", "320x240"}, [](const std::string&) {
     sleepFor(1);
     hold("w", 0.4);
-    xdotool({"key", "ctrl+Next"});
-    sleepFor(0.5);
+    pressAll({"ctrl+Next"});
     hold("s", 0.4);
-    xdotool({"key", "ctrl+Prior"});
-    sleepFor(0.5);
+    pressAll({"ctrl+Prior"});
     hold("Right", 0.4);
   });
   REQUIRE(report["places"].size() == 2);
@@ -47,9 +45,8 @@ TEST_CASE("a click on a tab shows its place") {
                      sleepFor(1);
                      hold("w", 0.5);
                      before = settledPixels(window);
-                     xdotool({"mousemove", "--window", window, "330", "45"});
-                     sleepFor(0.5);
-                     xdotool({"click", "1"});
+                     act({"mousemove", "--window", window, "330", "45"});
+                     act({"click", "1"});
                      pixels = settledPixels(window);
                    });
   REQUIRE(report["places"].size() == 2);
@@ -65,23 +62,19 @@ TEST_CASE("places are closed, by key and by their tab's cross, and nothing of th
   const std::vector<std::string> all{folder / "a", folder / "b", tinyScene(), "--size", "500x400"};
   const json byKey = whileViewing(all, [](const std::string&) {
     sleepFor(1);
-    for (const char* key : {"ctrl+Next", "ctrl+w", "ctrl+w"}) {
-      xdotool({"key", key});
-      sleepFor(0.5);
-    }
+    pressAll({"ctrl+Next", "ctrl+w", "ctrl+w"});
   });
   REQUIRE(byKey["places"].size() == 1);
   CHECK(byKey["onDevice"] == 1);
   const json byCross = whileViewing(all, [](const std::string& w) {
     sleepFor(1);
     // Wherever the crosses are: a click closes a tab, chooses one, or does nothing.
-    for (int x = 250; x < 400; x += 3) xdotool({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
-    sleepFor(0.5);
+    for (int x = 250; x < 400; x += 3) act({"mousemove", "--window", w, std::to_string(x), "45", "click", "1"});
   });
   CHECK(byCross["places"].size() < 3);
   const json none = whileViewing(all, [](const std::string&) {
     sleepFor(1);
-    for (int i = 0; i < 4; ++i, sleepFor(0.3)) xdotool({"key", "ctrl+w"});
+    pressAll({"ctrl+w", "ctrl+w", "ctrl+w", "ctrl+w"});
   });
   CHECK(none["places"].empty());
   CHECK(none["onDevice"] == 0);
@@ -117,32 +110,23 @@ TEST_CASE("a folder is typed, completed and opened by keys alone") {
   TemporaryFolder folder;
   for (const char* name : {"the scene", "other"}) fs::copy(tinyScene(), folder / name, fs::copy_options::recursive);
   Image8 pixels;
-  const json report = whileViewing({"--size", "640x480", "--no-interface", "--screenshot", folder / "shot.png"},
-                                   [&](const std::string& window) {
-                                     const auto type = [](std::vector<std::string> keys) {
-                                       for (const std::string& key : keys) {
-                                         xdotool({"key", key});
-                                         sleepFor(0.4);
-                                       }
-                                     };
-                                     const auto write = [](const std::string& text) {
-                                       xdotool({"type", "--delay", "40", text});
-                                       sleepFor(0.4);
-                                     };
-                                     type({"ctrl+o"});
-                                     write((folder / "the").string());
-                                     type({"Tab", "Return"});
-                                     waitForPlace(window);
-                                     type({"ctrl+o", "ctrl+a"});
-                                     write((folder / "none").string());
-                                     type({"Return"});
-                                     type({"ctrl+o", "ctrl+a"});
-                                     write((folder / "other").string());
-                                     type({"Escape", "bracketright"});  // not opened; keys are the view's again
-                                     sleepFor(1.2);
-                                     hold("Right", 0.3);
-                                     pixels = settledPixels(window);
-                                   });
+  const json report = whileViewing(
+      {"--size", "640x480", "--no-interface", "--screenshot", folder / "shot.png"}, [&](const std::string& window) {
+        const auto write = [](const std::string& text) { act({"type", "--delay", "40", text}); };
+        pressAll({"ctrl+o"});
+        write((folder / "the").string());
+        pressAll({"Tab", "Return"});
+        waitForPlace(window);
+        pressAll({"ctrl+o", "ctrl+a"});
+        write((folder / "none").string());
+        pressAll({"Return"});
+        pressAll({"ctrl+o", "ctrl+a"});
+        write((folder / "other").string());
+        pressAll({"Escape", "bracketright"});  // not opened; keys are the view's again
+        sleepFor(1.2);
+        hold("Right", 0.3);
+        pixels = settledPixels(window);
+      });
   REQUIRE(report["places"].size() == 1);
   CHECK(report["places"][0]["place"] == (folder / "the scene/").string());
   REQUIRE(report["warnings"].size() == 1);
@@ -204,16 +188,11 @@ TEST_CASE("what is being made is stopped by keys alone") {
   if (!canView()) return;
   TemporaryFolder folder;
   const json report =
-      whileViewing({tinyScene(), "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string&) {
-        xdotool({"key", "k"});
+      whileViewing({tinyScene(), "--size", "640x480", "--screenshots", folder / "out"}, [&](const std::string& window) {
+        pressAll({"k"});
         hold("w", 6);  // a path that takes long to draw
-        xdotool({"key", "k"});
-        sleepFor(0.5);
-        for (const char* key : {"ctrl+m", "F6", "F6", "Down", "space"}) {
-          xdotool({"key", key});
-          sleepFor(0.4);
-        }
-        sleepFor(1);
+        pressAll({"k", "ctrl+m", "F6", "F6", "Down", "space"});
+        settledPixels(window);
       });
   CHECK(fs::exists(folder / "out/path_0001.json"));
   CHECK(!fs::exists(folder / "out/path_0001.mp4"));

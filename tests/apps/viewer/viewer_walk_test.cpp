@@ -34,19 +34,17 @@ TEST_CASE("keys and the mouse move the view") {
   CHECK(rotationOf(forwards) == rotationOf(begin));
 
   const auto turned = whileViewing({tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
-    xdotool({"mousemove", "--window", w, "100", "100"});
-    xdotool({"mousedown", "3"});
-    sleepFor(0.2);
-    for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "10", "0"});
-    xdotool({"mouseup", "3"});
-    sleepFor(0.3);
+    act({"mousemove", "--window", w, "100", "100"});
+    act({"mousedown", "3"});
+    for (int i = 0; i < 5; ++i) act({"mousemove_relative", "10", "0"});
+    act({"mouseup", "3"});
   })["places"][0];
   CHECK(positionOf(turned) == from);
   const glm::dvec3 right = rotationOf(begin) * glm::dvec3(1, 0, 0);
   CHECK(glm::dot(rotationOf(turned) * glm::dvec3(0, 0, -1), right) > 0.02);  // the view follows the mouse
 
   const auto next = whileViewing({tinyScene(), "--size", "320x240"}, [](const std::string&) {
-    xdotool({"key", "bracketright"});
+    pressAll({"bracketright"});
     sleepFor(1.5);
   })["places"][0];
   CHECK(glm::distance(positionOf(next), from) > 0.01);
@@ -56,8 +54,7 @@ TEST_CASE("a bounded view stays near the photographs") {
   if (!canView()) return;
   const auto away = [](bool bounded) {
     const auto report = whileViewing({tinyScene(), "--size", "320x240"}, [&](const std::string&) {
-      if (bounded) xdotool({"key", "b"});
-      sleepFor(0.2);
+      if (bounded) pressAll({"b"});
       hold("Shift_L+w", 2.5);
       sleepFor(0.5);
     });
@@ -71,13 +68,10 @@ TEST_CASE("the middle button goes round the point that it is pressed on") {
   const auto begin = json::parse(view({tinyScene(), "--size", "320x240", "--frames", "2"}).out)["places"][0];
   CHECK(begin["centre"].is_null());
   const json place = whileViewing({tinyScene(), "--size", "320x240", "--no-interface"}, [](const std::string& w) {
-    xdotool({"mousemove", "--window", w, "203", "113"});
-    sleepFor(0.2);
-    xdotool({"mousedown", "2"});
-    sleepFor(0.5);
-    for (int i = 0; i < 5; ++i, sleepFor(0.1)) xdotool({"mousemove_relative", "4", "0"});
-    xdotool({"mouseup", "2"});
-    sleepFor(0.3);
+    act({"mousemove", "--window", w, "203", "113"});
+    act({"mousedown", "2"});
+    for (int i = 0; i < 5; ++i) act({"mousemove_relative", "4", "0"});
+    act({"mouseup", "2"});
   })["places"][0];
   REQUIRE(!place["centre"].is_null());
   const glm::dvec3 centre(place["centre"][0], place["centre"][1], place["centre"][2]);
@@ -171,7 +165,7 @@ TEST_CASE("who moves the view while a path is shown gets it") {
   writePath(folder / "path.json", 20, 9);
   const json report =
       whileViewing({tinyScene(), "--size", "320x240", "--path", folder / "path.json"}, [](const std::string&) {
-        xdotool({"key", "bracketright"});
+        pressAll({"bracketright"});
         sleepFor(2);
       });
   const glm::dvec3 at = positionOf(report["places"][0]);

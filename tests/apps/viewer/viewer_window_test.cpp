@@ -57,7 +57,7 @@ TEST_CASE("a window's surface that is lost is made anew") {
   whileViewing(
       {tinyScene(), "--size", "320x240", "--no-interface", "--lose-surface", "3", "--screenshot", folder / "shot.png"},
       [&](const std::string& window) {
-        xdotool({"key", "bracketright"});  // frames go on
+        pressAll({"bracketright"});  // frames go on
         sleepFor(1);
         pixels = settledPixels(window);
       });
@@ -107,12 +107,10 @@ TEST_CASE("the interface is as large as the monitor, an option or keys ask for, 
   const auto looksFrom = [&](int x) {
     const auto place =
         whileViewing({tinyScene(), "--size", "900x700", "--interface-scale", "1.25"}, [&](const std::string& window) {
-          xdotool({"mousemove", "--window", window, std::to_string(x), "200"});
-          sleepFor(0.5);
-          xdotool({"mousedown", "3"});
-          for (int i = 0; i < 4; ++i, sleepFor(0.2)) xdotool({"mousemove_relative", "0", "9"});
-          xdotool({"mouseup", "3"});
-          sleepFor(0.3);
+          act({"mousemove", "--window", window, std::to_string(x), "200"});
+          act({"mousedown", "3"});
+          for (int i = 0; i < 4; ++i) act({"mousemove_relative", "0", "9"});
+          act({"mouseup", "3"});
         })["places"][0];
     return place["rotation"];
   };
@@ -125,18 +123,10 @@ TEST_CASE("the interface is as large as the monitor, an option or keys ask for, 
     const MonitorDpi monitor(120);
     CHECK(seen({}).left == larger.left);
   }
-  const Seen keyed = seen({}, [](const std::string&) {
-    xdotool({"key", "ctrl+equal"});
-    sleepFor(0.5);
-  });
+  const Seen keyed = seen({}, [](const std::string&) { pressAll({"ctrl+equal"}); });
   CHECK(keyed.left == larger.left);
   CHECK(keyed.bottom == larger.bottom);
-  const Seen same = seen({}, [](const std::string&) {
-    for (const char* key : {"ctrl+equal", "ctrl+minus"}) {
-      xdotool({"key", key});
-      sleepFor(0.5);
-    }
-  });
+  const Seen same = seen({}, [](const std::string&) { pressAll({"ctrl+equal", "ctrl+minus"}); });
   CHECK(same.left == one.left);
   CHECK(same.bottom == one.bottom);
 }
