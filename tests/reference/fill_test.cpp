@@ -5,74 +5,27 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "reference/fill.h"
 #include "reference/stage.h"
-#include "shared/fill.h"
 #include "support/gpu.h"
 
 using namespace ibr;
 using namespace ibr::test;
+using ibr::reference::FillLevel;
 
 namespace {
 
-struct Level {
-  int width = 0, height = 0;
-  std::vector<glm::dvec4> texels;  // colour and weight
-  const glm::dvec4& at(int x, int y) const { return texels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
-  glm::dvec4& at(int x, int y) { return texels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
-  const glm::dvec4& clamped(int x, int y) const {
-    return at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1));
-  }
-};
-
-Level pulled(const Level& fine) {
-  Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
-  for (int y = 0; y < coarse.height; ++y)
-    for (int x = 0; x < coarse.width; ++x) {
-      glm::dvec3 sum(0);
-      double weight = 0;
-      for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i)
-          if (2 * x + i < fine.width && 2 * y + j < fine.height) {
-            const glm::dvec4& value = fine.at(2 * x + i, 2 * y + j);
-            sum += value.a * glm::dvec3(value);
-            weight += value.a;
-          }
-      coarse.texels.emplace_back(weight > 0 ? sum / weight : sum, shader::pulledWeight(float(weight)));
+// What a device shows: the canvas's colours 0 to 1, and where it is empty (alpha 0) what is filled in.
+FillLevel<glm::dvec3> filled(const Image8& canvas) {
+  FillLevel<glm::dvec3> level(canvas.width, canvas.height);
+  for (int y = 0; y < canvas.height; ++y)
+    for (int x = 0; x < canvas.width; ++x) {
+      const auto p = canvas.pixel(x, y);
+      level.value[level.index(x, y)] = glm::dvec3(p[0], p[1], p[2]) / 255.0;
+      level.weight[level.index(x, y)] = p[3] != 0;
     }
-  return coarse;
-}
-
-glm::dvec3 interpolated(const Level& level, double x, double y) {
-  const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
-  const auto row = [&](int j) {
-    return glm::mix(glm::dvec3(level.clamped(x0, j)), glm::dvec3(level.clamped(x0 + 1, j)), x - x0);
-  };
-  return glm::mix(row(y0), row(y0 + 1), y - y0);
-}
-
-// Twin of the fill pass and of the composition's use of it: what an empty pixel of `picture` (alpha 0) shows.
-Level filled(const Image8& picture) {
-  std::vector<Level> levels{{picture.width, picture.height, {}}};
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const auto p = picture.pixel(x, y);
-      levels[0].texels.emplace_back(glm::dvec3(p[0], p[1], p[2]) / 255.0, p[3] != 0);
-    }
-  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(pulled(levels.back()));
-  for (std::size_t l = levels.size() - 1; l-- > 1;)
-    for (int y = 0; y < levels[l].height; ++y)
-      for (int x = 0; x < levels[l].width; ++x) {
-        glm::dvec4& value = levels[l].at(x, y);
-        const glm::dvec3 coarse = interpolated(levels[l + 1], 0.5 * (x + 0.5) - 0.5, 0.5 * (y + 0.5) - 0.5);
-        value = glm::dvec4(glm::mix(coarse, glm::dvec3(value), value.a), 1);
-      }
-  Level result{picture.width, picture.height, {}};
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const glm::dvec3 colour = interpolated(levels[1], 0.5 * (x + 0.5) - 0.5, 0.5 * (y + 0.5) - 0.5);
-      result.texels.push_back(levels[0].at(x, y).a > 0 ? levels[0].at(x, y) : glm::dvec4(colour, 0));
-    }
-  return result;
+  CHECK(ibr::reference::fill(level));
+  return level;
 }
 
 }  // namespace
@@ -85,7 +38,7 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
     const Image8 empty = stage.render(view, settings);
     settings.lowestTier = kTierFilled;
     const Image8 picture = stage.render(view, settings);
-    const Level twin = filled(empty);
+    const FillLevel<glm::dvec3> twin = filled(empty);
     int wrong = 0, holes = 0;
     for (int y = 0; y < picture.height; ++y)
       for (int x = 0; x < picture.width; ++x) {
@@ -95,12 +48,25 @@ TEST_CASE("empty pixels are filled as the twin fills them, and no others are tou
         wrong += after[3] != (hole ? 63 : before[3]);
         // Half floats and the filter's weights of 8 bits, over the levels.
         for (std::size_t c = 0; c < 3; ++c)
-          wrong += std::abs(after[c] - 255 * twin.at(x, y)[int(c)]) > (hole ? 3.0 : 0.5);
+          wrong += std::abs(after[c] - 255 * twin.value[twin.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
       }
     INFO(picture.width << "x" << picture.height);
     CHECK(holes > 0);
     CHECK(wrong == 0);
   }
+}
+
+TEST_CASE("nothing is filled where everything is known, or nothing") {
+  FillLevel<double> level(5, 3);
+  CHECK_FALSE(ibr::reference::fill(level));
+  CHECK(std::ranges::all_of(level.value, [](double value) { return value == 0; }));
+  std::ranges::fill(level.weight, 1.0);
+  level.value[1] = 3;
+  CHECK_FALSE(ibr::reference::fill(level));
+  level.weight[0] = 0;
+  CHECK(ibr::reference::fill(level));
+  CHECK(level.value[0] == Approx(1));  // the mean of three neighbours: 3, 0, 0
+  CHECK(level.value[1] == 3);
 }
 
 TEST_CASE("what is hidden is filled with nothing and gives nothing to what is filled") {
@@ -119,7 +85,7 @@ TEST_CASE("what is hidden is filled with nothing and gives nothing to what is fi
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   };
   const Image8 empty = rendered(kTierBackdrop), picture = rendered(kTierFilled);
-  const Level twin = filled(empty);
+  const FillLevel<glm::dvec3> twin = filled(empty);
   int wrong = 0, holes = 0;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
@@ -129,7 +95,7 @@ TEST_CASE("what is hidden is filled with nothing and gives nothing to what is fi
       wrong += hidden != (pixel[3] == 0) || hole != (pixel[3] == 63);
       for (std::size_t c = 0; c < 3; ++c)
         wrong += hidden ? pixel[c] != std::array{0, 102, 255}[c]
-                        : std::abs(pixel[c] - 255 * twin.at(x, y)[int(c)]) > (hole ? 3.0 : 0.5);
+                        : std::abs(pixel[c] - 255 * twin.value[twin.index(x, y)][int(c)]) > (hole ? 3.0 : 0.5);
     }
   CHECK(holes > 1000);
   CHECK(wrong == 0);

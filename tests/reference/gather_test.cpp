@@ -195,6 +195,17 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
   CHECK(shareOf(unfilled, -1) == Approx(shareOf(alone, kTierFilled) + shareOf(alone, -1)));
   CHECK(shareOf(unfilled, kTierAgrees) == shareOf(alone, kTierAgrees));
 
+  Composed coloured = unfilled;
+  fillColours(coloured);
+  CHECK(shareOf(coloured, -1) == 0);
+  CHECK(shareOf(coloured, kTierFilled) == shareOf(unfilled, -1));
+  CHECK(coloured.inverseDepth.values == unfilled.inverseDepth.values);
+  CHECK(psnr(coloured.picture, truth) > psnr(unfilled.picture, truth) + 3);
+  for (std::size_t p = 0; p < truth.values.size() / 3; ++p)
+    if (unfilled.picture.values[4 * p + 3] != 0)
+      REQUIRE(std::equal(&unfilled.picture.values[4 * p], &unfilled.picture.values[4 * p + 4],
+                         &coloured.picture.values[4 * p]));
+
   plan.photographs[0].weight = 0;  // about to be replaced
   CHECK(shareOf(wall().compose(plan), -1) == 1);
   plan.photographs.clear();

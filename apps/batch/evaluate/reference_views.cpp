@@ -56,13 +56,15 @@ reference::Composed ReferenceViews::compose(const Camera& view, Exposure exposur
   settings.exposure = exposure;
   const FramePlan plan = planFrame(scene_, bounds_, {{view}, settings});
   take(plan.photographs);
-  return reference::composeGathered(
+  reference::Composed composed = reference::composeGathered(
       scene_, plan, 0,
       {.photograph = [&](std::size_t node) -> const std::vector<Image8>& {
          return textures_.at(std::uint32_t(node)).levels;
        },
        .depth = [&](std::size_t node) -> const ImageF& { return textures_.at(std::uint32_t(node)).depth; }},
       threads_);
+  reference::fillColours(composed);
+  return composed;
 }
 
 }  // namespace ibr::app

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "reference/composer_gather.h"
 #include "reference/composer_photograph.h"
 #include "reference/composer_vote.h"
+#include "reference/fill.h"
 #include "scene/capture_spacing.h"
 #include "shared/cell.h"
 
@@ -96,6 +98,14 @@ double opaqueDepth(const Surfaces& surfaces) {
   return surfaces.surface[surfaces.count - 1].inverseDepth;
 }
 
+void setColour(Composed& view, int x, int y, const glm::dvec3& levels, int tier) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    view.colour.pixel(x, y)[c] = float(levels[int(c)]);
+    view.picture.pixel(x, y)[c] = std::uint8_t(std::lround(levels[int(c)]));
+  }
+  view.picture.pixel(x, y)[3] = std::uint8_t(255 - 64 * tier);
+}
+
 void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces, int x, int y, Composed& result) {
   result.supportMargin.pixel(x, y)[0] = float(surfaces.margin);
   double behind = 1, sum = 0, most = -1;
@@ -120,12 +130,7 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
   if (tier > job.lowestTier) return;
   result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
   result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueDepth(surfaces));
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double level = std::clamp(255 * colour[int(c)] / sum, 0.0, 255.0);
-    result.colour.pixel(x, y)[c] = float(level);
-    result.picture.pixel(x, y)[c] = std::uint8_t(std::lround(level));
-  }
-  result.picture.pixel(x, y)[3] = std::uint8_t(255 - 64 * tier);
+  setColour(result, x, y, glm::clamp(colour * (255 / sum), 0.0, 255.0), tier);
 }
 
 Composed composed(const Job& job) {
@@ -229,6 +234,21 @@ Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t 
   job.lowestTier = settings.lowestTier;
   job.threads = threads;
   return composed(job);
+}
+
+void fillColours(Composed& view) {
+  FillLevel<glm::dvec3> colours(view.picture.width, view.picture.height);
+  for (int y = 0; y < colours.height; ++y)
+    for (int x = 0; x < colours.width; ++x) {
+      if (view.picture.pixel(x, y)[3] == 0) continue;
+      const auto colour = view.colour.pixel(x, y);
+      colours.value[colours.index(x, y)] = {colour[0], colour[1], colour[2]};
+      colours.weight[colours.index(x, y)] = 1;
+    }
+  if (!fill(colours)) return;
+  for (int y = 0; y < colours.height; ++y)
+    for (int x = 0; x < colours.width; ++x)
+      if (view.picture.pixel(x, y)[3] == 0) setColour(view, x, y, colours.value[colours.index(x, y)], kTierFilled);
 }
 
 Composer::Composer(std::vector<ComposerPhotograph> photographs, const ComposerOptions& options)

@@ -62,6 +62,10 @@ struct GatherTextures {
 Composed composeGathered(const Scene& scene, const FramePlan& plan, std::size_t view, const GatherTextures& textures,
                          int threads = 1);
 
+/// Fills what no photograph shows with colours from around it, of kTierFilled, as a device does where
+/// RenderSettings::lowestTier allows. Depth stays as it is.
+void fillColours(Composed& view);
+
 /// A photograph with its depth. A pinhole; the depth maps cover the photograph and may be smaller.
 struct ComposerPhotograph {
   Camera camera;

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "shared/fill.h"
+#include "reference/fill.h"
 
 namespace ibr::reference {
 namespace {
@@ -23,51 +23,6 @@ constexpr double kCompletedTrust = 0.155;  // trust: a hypothesis below it was c
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
 constexpr double kSureConsensus = 0.5;     // consensus from which on ρ counts as exact; below it …
 constexpr double kUnsure = 0.1;            // … it may be off by up to this share of itself
-
-// A level of the image pyramid: means of ρ, and how much is known, 0 to 1.
-struct Level {
-  Level(int w, int h)
-      : width(w),
-        height(h),
-        value(std::size_t(w) * std::size_t(h), 0.0),
-        weight(std::size_t(w) * std::size_t(h), 0.0) {}
-  std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
-
-  int width, height;
-  std::vector<double> value, weight;
-};
-
-Level pulled(const Level& fine) {
-  Level coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
-  for (int y = 0; y < fine.height; ++y)
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t from = fine.index(x, y), to = coarse.index(x / 2, y / 2);
-      coarse.value[to] += fine.weight[from] * fine.value[from];
-      coarse.weight[to] += fine.weight[from];
-    }
-  for (std::size_t at = 0; at < coarse.value.size(); ++at)
-    if (coarse.weight[at] > 0) {
-      coarse.value[at] /= coarse.weight[at];
-      coarse.weight[at] = double(shader::pulledWeight(float(coarse.weight[at])));
-    }
-  return coarse;
-}
-
-void push(const Level& coarse, Level& fine) {
-  for (int y = 0; y < fine.height; ++y)
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t at = fine.index(x, y);
-      if (fine.weight[at] >= 1) continue;
-      const double u = std::clamp((x + 0.5) / 2 - 0.5, 0.0, coarse.width - 1.0),
-                   v = std::clamp((y + 0.5) / 2 - 0.5, 0.0, coarse.height - 1.0);
-      const int left = int(u), top = int(v), right = std::min(left + 1, coarse.width - 1),
-                below = std::min(top + 1, coarse.height - 1);
-      const auto across = [&](int row) {
-        return std::lerp(coarse.value[coarse.index(left, row)], coarse.value[coarse.index(right, row)], u - left);
-      };
-      fine.value[at] = std::lerp(std::lerp(across(top), across(below), v - top), fine.value[at], fine.weight[at]);
-    }
-}
 
 // How much a hypothesis at `there` supports one at `here`.
 double kernel(double here, double there, double step) {
@@ -174,20 +129,16 @@ Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers) {
 }
 
 void fillHoles(std::vector<Surfaces>& pixels, int width, int height) {
-  std::vector<Level> levels{Level(width, height)};
-  bool holes = false, known = false;
+  FillLevel<double> depth(width, height);
   for (std::size_t at = 0; at < pixels.size(); ++at) {
-    (pixels[at].count > 0 ? known : holes) = true;
     if (pixels[at].count == 0) continue;
-    levels[0].value[at] = pixels[at].surface[0].inverseDepth;
-    levels[0].weight[at] = 1;
+    depth.value[at] = pixels[at].surface[0].inverseDepth;
+    depth.weight[at] = 1;
   }
-  if (!holes || !known) return;
-  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(pulled(levels.back()));
-  for (std::size_t l = levels.size() - 1; l-- > 0;) push(levels[l + 1], levels[l]);
+  if (!fill(depth)) return;
   for (std::size_t at = 0; at < pixels.size(); ++at)
     if (pixels[at].count == 0) {
-      pixels[at].surface[0] = {levels[0].value[at], 1.0, uncertaintyOf(0), true};
+      pixels[at].surface[0] = {depth.value[at], 1.0, uncertaintyOf(0), true};
       pixels[at].count = 1;
       pixels[at].filled = true;
     }
