@@ -22,7 +22,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 4;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 5;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
@@ -133,6 +133,9 @@ DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options,
   std::vector<std::size_t> first;  // view of each photograph
   for (std::size_t v = 0; v < views_.size(); ++v)
     if (views_[v].node == first.size()) first.push_back(v);
+  std::vector<std::vector<double>> tracks;
+  for (std::size_t v = 0; v < views_.size(); ++v) tracks.push_back(tracksSeenBy(v));
+  fromInfinity_ = mostReachInfinity(std::move(tracks));
   jobs.runAll("reading photographs", first.size(), bytes,
               [&](std::size_t i) { readViews(input_.photographs[i], first[i]); });
 }
@@ -156,6 +159,7 @@ std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint3
   Hash hash;
   hash.add(kVersion);
   hash.add(std::uint64_t(options_.depth));
+  hash.add(std::uint64_t(fromInfinity_));
   const auto addView = [&](std::size_t v) {
     addPhotograph(hash, input_, views_[v].node);
     const glm::dquat& turn = views_[v].camera.pose.rotation;
@@ -174,16 +178,21 @@ std::vector<SweepView> DepthMatcher::viewsOf(const std::vector<Picture>& picture
   return views;
 }
 
-std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
+std::vector<double> DepthMatcher::tracksSeenBy(std::size_t view) const {
   std::vector<double> tracks;
   for (const std::uint32_t t : tracksOf_[views_[view].node])
-    if (const double w = inverseDepthSeen(small_[view].camera, model_.tracks[t].position); w > 0 && std::isfinite(w))
+    if (const double w = inverseDepthSeen(views_[view].camera, model_.tracks[t].position); w > 0 && std::isfinite(w))
       tracks.push_back(w);
+  return tracks;
+}
+
+std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
+  std::vector<double> tracks = tracksSeenBy(view);
   const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, tracks), kKind);
   if (auto kept = fetchDepth(file)) return kept;
-  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks));
+  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks), fromInfinity_);
   const Image8& fine = fine_[view].grey;
   if (options_.depth == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
   if (isRefined()) refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources));

@@ -53,6 +53,8 @@ class DepthMatcher {
   };
   void readViews(const Photograph& photograph, std::size_t first);
 
+  // Inverse depths of what a view sees, along its axis.
+  std::vector<double> tracksSeenBy(std::size_t view) const;
   bool isRefined() const { return options_.depth != DepthSearch::swept; }
   static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
@@ -63,6 +65,7 @@ class DepthMatcher {
   PosedModel model_;  // the input's; photographs without tracks have those of cells
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
+  bool fromInfinity_ = false;          // most views of the scene reach it: those that look up at roofs see the sky too
   std::vector<Picture> small_, fine_;  // of the views: to sweep, and to refine, if so
 };
 

@@ -275,11 +275,21 @@ struct Levels {
   double at(double level) const { return first + level * step; }
 };
 
-Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, std::vector<double> tracks) {
+// Of inverse depths: all but a few outliers.
+struct DepthRange {
+  double far, near;
+  bool reachesInfinity() const { return far < kInfinity * near; }
+};
+
+DepthRange rangeOf(std::vector<double> tracks) {
   std::sort(tracks.begin(), tracks.end());
   const auto quantile = [&](double share) { return tracks[std::size_t(share * double(tracks.size() - 1) + 0.5)]; };
-  const double near = kBefore * quantile(0.995), far = quantile(0.005);
-  const double first = far < kInfinity * quantile(0.995) ? 0.0 : kBehind * far;
+  return {quantile(0.005), quantile(0.995)};
+}
+
+Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, const DepthRange& range,
+                bool fromInfinity) {
+  const double near = kBefore * range.near, first = fromInfinity ? 0.0 : kBehind * range.far;
   std::vector<double> motion;
   for (const SweepView& source : sources)
     if (const double m = motionOf(photograph.camera, source.camera, 0.5 * (first + near)); m > 0) motion.push_back(m);
@@ -321,11 +331,22 @@ CostVolume costsOf(const SweepView& photograph, std::span<const SweepView> sourc
 
 }  // namespace
 
+bool mostReachInfinity(std::vector<std::vector<double>> trackInverseDepths) {
+  std::size_t known = 0, reaching = 0;
+  for (std::vector<double>& tracks : trackInverseDepths) {
+    if (tracks.empty()) continue;
+    ++known;
+    reaching += rangeOf(std::move(tracks)).reachesInfinity();
+  }
+  return 2 * reaching > known;
+}
+
 SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources,
-                      std::vector<double> trackInverseDepths) {
+                      std::vector<double> trackInverseDepths, bool fromInfinity) {
   const int width = photograph.grey.width, height = photograph.grey.height;
   const std::size_t pixels = photograph.grey.values.size();
-  const Levels levels = levelsOf(photograph, sources, std::move(trackInverseDepths));
+  const DepthRange range = rangeOf(std::move(trackInverseDepths));
+  const Levels levels = levelsOf(photograph, sources, range, fromInfinity || range.reachesInfinity());
   const CostVolume volume = costsOf(photograph, sources, levels);
   const SemiGlobalMatch match = semiGlobalMatch(volume);
   SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1), float(levels.step)};

@@ -25,10 +25,15 @@ struct SweptDepth {
   float level = 0;      // ρ from one level of the sweep to the next
 };
 
+/// Whether infinity is among what most photographs see: then those that look up at roofs may see the sky, too. By
+/// photograph what sweptDepth takes; those without tracks do not count.
+bool mostReachInfinity(std::vector<std::vector<double>> trackInverseDepths);
+
 /// `photograph` and `sources` at about half their size, their masks widened by kSweptWindow. `trackInverseDepths`: of
-/// what the photograph sees, along its axis. Preconditions: at least one source and one track, all positive.
+/// what the photograph sees, along its axis. `fromInfinity`: whatever they are. Preconditions: at least one source and
+/// one track, all positive.
 SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources,
-                      std::vector<double> trackInverseDepths);
+                      std::vector<double> trackInverseDepths, bool fromInfinity = false);
 /// Memory that it takes, at most: costs and their sums at all levels, sources and what they show at one.
 inline constexpr double kSweptBytesPerPixel = 700;
 inline constexpr int kSweptWindow = 3;  // px: the window's radius, and one of interpolation

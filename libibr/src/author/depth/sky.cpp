@@ -13,7 +13,8 @@ constexpr std::uint8_t kUnmatched = 75;      // at this cost and above
 constexpr int kApart = 2;                    // px from what is no sky
 constexpr int kLeastRegion = 400;            // px
 constexpr float kCertain = 3;                // excess at which infinity is as good as any depth …
-constexpr std::size_t kCertainShare = 50;    // … as at least one of so many pixels of a region
+constexpr double kCertainShare = 0.02;  // … as it is for this share of a region that reaches the upper border, …
+constexpr double kCertainShareInside = 0.5;  // … and of one that does not, cut off by a wire or under a mast
 
 template <class Visit>
 void forNeighbours(int at, int width, int height, Visit&& visit) {
@@ -61,7 +62,8 @@ Image8 skyOf(const ImageF& infinityExcess, const Image8& cost) {
         region.push_back(q);
       });
     }
-    if (reachesTop && region.size() >= std::size_t(kLeastRegion) && certain * kCertainShare >= region.size())
+    const double least = reachesTop ? kCertainShare : kCertainShareInside;
+    if (region.size() >= std::size_t(kLeastRegion) && double(certain) >= least * double(region.size()))
       for (const std::size_t at : region) sky.values[at] = 255;
   }
   return sky;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pixels of a photograph show the sky: infinity explains them hardly worse than any depth does, and they hang
-// together with the picture's upper border. Where nothing matches at any depth, as in a clear sky, infinity may be
-// worse by more; walls without texture are not reached, since their outlines match at their depth.
+// together with the picture's upper border, or infinity is as good as any depth in half of them. Where nothing matches
+// at any depth, as in a clear sky, infinity may be worse by more; walls without texture are not reached, since their
+// outlines match at their depth.
 #pragma once
 
 #include "ibr/image.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "author/depth/photograph_sweep.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <utility>
@@ -123,6 +124,12 @@ TEST_CASE("sky above a wall is found at infinity") {
     for (int x = 0; x < kWidth; ++x) CHECK(depth.sky.pixel(x, y)[0] == 0);
   for (const SweptDepth* none : {&wall, &compact})  // there is none; all tracks are about equally far
     for (const std::uint8_t value : none->sky.values) CHECK(value == 0);
+  const std::vector<double> deep{1.0 / 40, 1 / kWall, 1 / kBoard}, near{1 / kWall, 1 / kWall, 1 / kBoard};
+  CHECK(mostReachInfinity({deep, near, deep, {}}));
+  CHECK_FALSE(mostReachInfinity({deep, near, {}, {}}));
+  CHECK_FALSE(mostReachInfinity({{}, {}}));
+  const SweptDepth told = sweptDepth(place.views[0], std::span(place.views).subspan(1), near, true);
+  CHECK(std::ranges::count(told.sky.values, 255) > 40 * kWidth * 9 / 10);
 }
 
 TEST_CASE("extremes: photographs of one place, one pixel, far away and of one grey have finite depth or none") {

@@ -49,14 +49,26 @@ TEST_CASE("a clear sky is sky, though nothing matches there; a wall without text
   CHECK_FALSE(at(place.sky(), 20, 10));
 }
 
-TEST_CASE("no sky is found where infinity is nowhere as good as a depth, below the border, or in small regions") {
+TEST_CASE("sky that a wire cuts off from the border is sky where infinity is as good as any depth in half of it") {
+  Place cut;
+  cut.fill(0, 8, kWidth, 9, 400, 10);
+  const Image8 sky = cut.sky();
+  CHECK(at(sky, 40, 2));
+  CHECK_FALSE(at(sky, 40, 8));
+  CHECK(at(sky, 40, 15));
+  cut.fill(0, 9, 45, 30, 40, 20);  // more than half
+  CHECK_FALSE(at(cut.sky(), 60, 15));
+  CHECK(at(cut.sky(), 40, 2));
+  cut.fill(0, 8, 10, 9, 40, 20);  // no longer cut off
+  CHECK(at(cut.sky(), 60, 15));
+}
+
+TEST_CASE("no sky is found where infinity is nowhere as good as a depth, or in small regions") {
   Place near;
   near.fill(0, 0, kWidth, 30, 40, 20);
-  Place below;
-  below.fill(0, 0, kWidth, 3, 400, 10);
   Place small;
   small.fill(22, 0, kWidth, 30, 400, 10);  // leaves 20 × 28 − …
   small.fill(0, 18, kWidth, 30, 400, 10);
-  for (const Place* place : {&near, &below, &small})
+  for (const Place* place : {&near, &small})
     CHECK(std::ranges::none_of(place->sky().values, [](int value) { return value != 0; }));
 }
