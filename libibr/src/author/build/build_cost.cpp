@@ -14,11 +14,18 @@ constexpr double kOnce = 170, kMember = 193, kLevel = 4.4, kLevelMember = 2;
 constexpr double kBackdrop = 130;
 constexpr double kSweep = 4500, kRefine = 4500, kConfirm = 400;  // a pixel of the depth maps
 constexpr double kObservation = 150e-6;                          // of a point, while poses are refined
-constexpr double kExposurePair = 0.002, kSolvingShare = 0.75;    // of each two members of a cell; one thread solves
+constexpr double kExposurePoint = 15e-6, kSolvingShare = 0.2;    // of a point in two photographs; one thread solves
 constexpr double kJudged = 500, kJudge = 1300;
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
+}
+
+// Of overlaps, at most.
+double exposurePoints(std::size_t photographs) {
+  constexpr double kPartners = 10, kMost = 1200, kMostInAll = 350000;
+  const double n = double(photographs), pairs = std::min(n * (n - 1) / 2, kPartners * n);
+  return std::min(kMost * pairs, kMostInAll);
 }
 
 double cellSeconds(const CellWork& cell) {
@@ -52,11 +59,6 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   }
   add("matching cells", cells, threads.cells, longest);
   add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, cells are matched once more
-  if (work.exposures) {
-    const double pairs = memberPairs(work);
-    add("comparing exposures", 1e-9 * kRead * work.readPixels + kExposurePair * pairs, threads.storing,
-        kSolvingShare * kExposurePair * pairs);
-  }
   const double eachBackdrop = 1 / std::max(double(work.backdrops), 1.0);
   const auto addDepth = [&](const char* stage, double nanoseconds, double pixels) {
     const double seconds = 1e-9 * nanoseconds * pixels;
@@ -64,6 +66,10 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   };
   addDepth("finding depth", kSweep + kRefine * work.refinements, work.sweptPixels);
   addDepth("confirming depth", kConfirm, std::max(work.sweptPixels, work.backdropPixels));
+  if (work.exposures) {
+    const double points = kExposurePoint * exposurePoints(work.photographs);
+    add("comparing exposures", 1e-9 * kRead * work.readPixels + points, threads.storing, kSolvingShare * points);
+  }
   const double backdrops =
       double(work.backdrops) > 0 ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels) : 0;
   add("completing backdrops", backdrops, threads.backdrops, backdrops * eachBackdrop);
@@ -78,20 +84,9 @@ double bytesToMake(const CellWork& cell) {
   return cell.loadingBytes + pixel * cell.pixels + kInFull * cell.beyondPixels;
 }
 
-double memberPairs(const BuildWork& work) {
-  double pairs = 0;
-  for (const CellWork& cell : work.cells) pairs += double(cell.members * (cell.members - 1)) / 2;
-  return pairs;
-}
-
 double bytesToCompareExposures(const BuildWork& work) {
-  // Of points: where they are looked at, what is seen, what is solved. There are fewer of each where there are many.
-  constexpr double kBytesPerPair = 1e5, kMostCells = 300;
-  constexpr double kBytesPerPhotograph = 2.2e6, kMostPhotographs = 72;  // with overlaps and tracks
-  if (!work.exposures) return 0;
-  const double fewer = std::clamp(kMostCells / std::max(double(work.cells.size()), 1.0), 0.2, 1.0);
-  return kBytesPerPair * memberPairs(work) * fewer +
-         kBytesPerPhotograph * std::min(double(work.photographs), kMostPhotographs);
+  constexpr double kBytesPerPoint = 500;  // where it is looked at, what is seen, what is solved
+  return work.exposures ? kBytesPerPoint * exposurePoints(work.photographs) : 0;
 }
 
 double bytesKept(const CellWork& cell) {

@@ -66,10 +66,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
 /// Bytes of memory that making the cell takes, at most; of the sweep mostly its volume of costs and of their sums.
 double bytesToMake(const CellWork& cell);
 
-/// Two members of a cell make one.
-double memberPairs(const BuildWork& work);
-
-/// Bytes of memory, beside a photograph for each thread.
+/// Bytes of memory, beside the photographs' depth and a photograph for each thread.
 double bytesToCompareExposures(const BuildWork& work);
 
 /// Bytes of memory that the meshes of finished cells take, about, and of the disk.

@@ -106,14 +106,15 @@ class Predictor {
       made_.disk += photo.copied ? file : (isJpeg(photo.imageFile) ? kJpegBytes : kPngBytes) * pixelsOf(k);
       storing_ = std::max(storing_, bytesToStore(photo));
       loading_ = std::max(loading_, bytesToLoad(photo));
-      if (!options_.backdrops) continue;
       const glm::ivec2 size = backdropSize(k);
+      const double whole = double(size.x) * size.y, finer = options_.backdrops ? finerPixels(options_.depth) : 1;
+      if (options_.backdrops || work_.exposures)
+        depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
+      if (!options_.backdrops) continue;
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
       const glm::ivec2 texels = depthTextureSize(size, k.width);
       made_.disk += double(textureBytes(TextureFormat::rg16f, texels.x, texels.y));
-      const double whole = double(size.x) * size.y, finer = finerPixels(options_.depth);
-      depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
       const double completed = (isPanorama(photo) ? 1 : finer) * whole;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * completed);
       if (options_.depth == DepthSearch::fast) continue;
@@ -205,7 +206,7 @@ class Predictor {
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
     side.cells = threads(matching_, kept_, std::max<std::size_t>(work_.cells.size(), 1));
-    if (work_.exposures) threads(loading_, kept_ + bytesToCompareExposures(work_), photographs);
+    if (work_.exposures) threads(loading_, kept_ + depths_ + bytesToCompareExposures(work_), photographs);
     if (work_.backdrops > 0) threads(reading_, kept_ + depths_, photographs);
     if (work_.backdrops > 0)
       side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, work_.backdrops);

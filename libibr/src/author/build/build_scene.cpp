@@ -66,8 +66,9 @@ class Builder {
     describe();
     makeCells();
     if (options_.refinePoses && movePoses()) makeCells();
-    takeExposures();
-    if (options_.backdrops) makeBackdrops();
+    const std::vector<PhotographDepth> depths = findDepths();
+    takeExposures(depths);
+    if (options_.backdrops) makeBackdrops(depths);
     listUnused();
     if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
@@ -302,9 +303,9 @@ class Builder {
     return true;
   }
 
-  void takeExposures() {
+  void takeExposures(const std::vector<PhotographDepth>& depths) {
     if (!options_.matchExposures && !options_.fitVignetting) return;
-    std::vector<ExposureMatch> matches = exposureMatches(input_.photographs, input_.model, scene_, jobs_);
+    std::vector<ExposureMatch> matches = exposureMatches(input_.photographs, input_.model, depths, jobs_);
     if (options_.fitVignetting) takeVignetting(matches);
     if (!options_.matchExposures) return;
     std::vector<CaptureFacts> exif;
@@ -348,8 +349,9 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
-  // In the order of the photographs.
-  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker) const {
+  // In the order of the photographs; none where nothing needs it, that of cells where exposures alone do.
+  std::vector<PhotographDepth> findDepths() const {
+    if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return {};
     constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
@@ -358,11 +360,12 @@ class Builder {
     }
     std::optional<DepthMatcher> matcher;
     DepthMatches matches;
-    if (options_.depth != DepthSearch::fast) {
+    if (options_.backdrops && options_.depth != DepthSearch::fast) {
       matcher.emplace(input_, options_, scene_, jobs_);
       matches = [&matcher](std::size_t view) { return matcher->match(view); };
     }
-    const double bytesEach = std::max(maker.bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
+    const double bytesEach =
+        std::max(BackdropMaker(input_, options_, scene_).bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
     std::size_t run = 0;
     return depthOfPhotographs(
         scene_,
@@ -380,9 +383,8 @@ class Builder {
              }});
   }
 
-  void makeBackdrops() {
+  void makeBackdrops(const std::vector<PhotographDepth>& depths) {
     const BackdropMaker maker(input_, options_, scene_);
-    const std::vector<PhotographDepth> depths = findDepths(maker);
     std::vector<MadeBackdrop> made(depths.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
                  [&](std::size_t b) { made[b] = maker.make(std::uint32_t(b), depths[b]); });

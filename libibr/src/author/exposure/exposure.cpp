@@ -11,12 +11,12 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <map>
-#include <numeric>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "author/exposure/joined_parts.h"
 #include "author/exposure/vignetting.h"
 #include "author/geometry/posed_model.h"
 
@@ -45,23 +45,6 @@ struct Relation {
     at[terms] = std::uint32_t(unknown);
     factor[terms++] = float(f);
   }
-};
-
-// Which of `count` are joined by relations: the least index of each one's part.
-class Parts {
- public:
-  explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t(0)); }
-  std::size_t of(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = of(a), b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
 };
 
 using Logs = std::vector<glm::dvec3>;
@@ -231,7 +214,7 @@ std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
 Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                          const std::vector<CaptureFacts>& exif) {
   std::vector<Relation> relations;
-  Parts parts(photographs);
+  JoinedParts parts(photographs);
   std::vector<bool> known(photographs, false);
   for (const std::uint32_t k : matchesThatCount(matches)) {
     const ExposureMatch& m = matches[k];

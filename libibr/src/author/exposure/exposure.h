@@ -18,10 +18,11 @@
 #include <string>
 #include <vector>
 
+#include "author/depth/photograph_depth.h"
+#include "author/geometry/posed_model.h"
 #include "author/jobs/build_jobs.h"
 #include "author/photographs/photographs.h"
 #include "ibr/capture.h"
-#include "ibr/scene.h"
 
 namespace ibr {
 
@@ -33,13 +34,11 @@ struct ExposureMatch {
   double firstRadius = 0, secondRadius = 0;  // vignettingRadius
 };
 
-/// What the cells' vertices of tier 0 say, at most 500 a cell (fewer of more than 300 cells); what overlaps say of
-/// photographs that no cell joins (author/exposure/exposure_overlap.h); and the model's tracks of photographs that
-/// neither joins: means of linear light over small windows, where nothing is clipped or masked. `model`: of these
-/// photographs, `scene`: its nodes are these, with its cells. Throws Error{cancelled}, and what reading a photograph
-/// throws.
+/// What overlaps say (author/exposure/exposure_overlap.h), and of photographs that these do not join the model's
+/// tracks: means of linear light over small windows, where nothing is clipped or masked. `model` and `depths`: of these
+/// photographs, in their order. Throws Error{cancelled}, and what reading a photograph throws.
 std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
-                                           const Scene& scene, const BuildJobs& jobs);
+                                           const std::vector<PhotographDepth>& depths, const BuildJobs& jobs);
 
 struct Exposures {
   std::vector<glm::dvec3> gains;  // one a photograph: each times it, in linear light, is as the others are

