@@ -61,7 +61,8 @@ reference::Composed ReferenceViews::compose(const Camera& view, Exposure exposur
       {.photograph = [&](std::size_t node) -> const std::vector<Image8>& {
          return textures_.at(std::uint32_t(node)).levels;
        },
-       .depth = [&](std::size_t node) -> const ImageF& { return textures_.at(std::uint32_t(node)).depth; }},
+       .depth = [&](std::size_t node) -> const ImageF& { return textures_.at(std::uint32_t(node)).depth; },
+       .filter = TextureFilter::bicubic},
       threads_);
   reference::fillColours(composed);
   return composed;

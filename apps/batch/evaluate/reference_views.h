@@ -18,8 +18,9 @@ class ReferenceViews {
   /// `threads` 0: all cores. Precondition: isGatherable(scene). The scene and its files must outlive it.
   ReferenceViews(const Scene& scene, int threads);
 
-  /// The vote has the view's size. Where it has no depth, that is filled from around, and where no photograph shows
-  /// what lies there, its colour is. Throws Error for a file that cannot be read, and as planFrame does.
+  /// The vote has the view's size, and photographs that are magnified are read by cubic splines. Where it has no depth,
+  /// that is filled from around, and where no photograph shows what lies there, its colour is. Throws Error for a file
+  /// that cannot be read, and as planFrame does.
   reference::Composed compose(const Camera& view, Exposure exposure);
 
  private:

@@ -22,7 +22,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 5;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 6;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
@@ -154,12 +154,10 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
   }
 }
 
-std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
-                                  const std::vector<double>& tracks) const {
+std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const {
   Hash hash;
   hash.add(kVersion);
   hash.add(std::uint64_t(options_.depth));
-  hash.add(std::uint64_t(fromInfinity_));
   const auto addView = [&](std::size_t v) {
     addPhotograph(hash, input_, views_[v].node);
     const glm::dquat& turn = views_[v].camera.pose.rotation;
@@ -167,7 +165,8 @@ std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint3
   };
   addView(view);
   for (const std::uint32_t j : sources) addView(j);
-  for (const double inverse : tracks) hash.add(inverse);
+  hash.add(range.far);
+  hash.add(range.near);
   return hash.value();
 }
 
@@ -190,9 +189,10 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   std::vector<double> tracks = tracksSeenBy(view);
   const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
   if (sources.empty() || tracks.empty()) return std::nullopt;
-  const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, tracks), kKind);
+  const SweepRange range = sweepRange(std::move(tracks), fromInfinity_);
+  const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, range), kKind);
   if (auto kept = fetchDepth(file)) return kept;
-  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), std::move(tracks), fromInfinity_);
+  SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), range);
   const Image8& fine = fine_[view].grey;
   if (options_.depth == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
   if (isRefined()) refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources));

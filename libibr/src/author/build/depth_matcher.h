@@ -57,8 +57,7 @@ class DepthMatcher {
   std::vector<double> tracksSeenBy(std::size_t view) const;
   bool isRefined() const { return options_.depth != DepthSearch::swept; }
   static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
-  std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources,
-                      const std::vector<double>& trackInverseDepths) const;
+  std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const;
 
   const BuildInput& input_;
   const BuildOptions& options_;

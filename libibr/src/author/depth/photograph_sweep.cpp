@@ -276,20 +276,19 @@ struct Levels {
 };
 
 // Of inverse depths: all but a few outliers.
-struct DepthRange {
+struct DepthQuantiles {
   double far, near;
-  bool reachesInfinity() const { return far < kInfinity * near; }
+  bool reachInfinity() const { return far < kInfinity * near; }
 };
 
-DepthRange rangeOf(std::vector<double> tracks) {
+DepthQuantiles quantilesOf(std::vector<double> tracks) {
   std::sort(tracks.begin(), tracks.end());
   const auto quantile = [&](double share) { return tracks[std::size_t(share * double(tracks.size() - 1) + 0.5)]; };
   return {quantile(0.005), quantile(0.995)};
 }
 
-Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, const DepthRange& range,
-                bool fromInfinity) {
-  const double near = kBefore * range.near, first = fromInfinity ? 0.0 : kBehind * range.far;
+Levels levelsOf(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range) {
+  const auto [first, near] = range;
   std::vector<double> motion;
   for (const SweepView& source : sources)
     if (const double m = motionOf(photograph.camera, source.camera, 0.5 * (first + near)); m > 0) motion.push_back(m);
@@ -336,17 +335,24 @@ bool mostReachInfinity(std::vector<std::vector<double>> trackInverseDepths) {
   for (std::vector<double>& tracks : trackInverseDepths) {
     if (tracks.empty()) continue;
     ++known;
-    reaching += rangeOf(std::move(tracks)).reachesInfinity();
+    reaching += quantilesOf(std::move(tracks)).reachInfinity();
   }
   return 2 * reaching > known;
 }
 
-SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources,
-                      std::vector<double> trackInverseDepths, bool fromInfinity) {
+SweepRange sweepRange(std::vector<double> trackInverseDepths, bool fromInfinity) {
+  constexpr double kStepsPerOctave = 8;
+  const DepthQuantiles tracks = quantilesOf(std::move(trackInverseDepths));
+  const auto octaves = [](double x) { return kStepsPerOctave * std::log2(x); };
+  const double near = std::exp2(std::ceil(octaves(kBefore * tracks.near)) / kStepsPerOctave);
+  if (fromInfinity || tracks.reachInfinity()) return {0, near};
+  return {std::exp2(std::floor(octaves(kBehind * tracks.far)) / kStepsPerOctave), near};
+}
+
+SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range) {
   const int width = photograph.grey.width, height = photograph.grey.height;
   const std::size_t pixels = photograph.grey.values.size();
-  const DepthRange range = rangeOf(std::move(trackInverseDepths));
-  const Levels levels = levelsOf(photograph, sources, range, fromInfinity || range.reachesInfinity());
+  const Levels levels = levelsOf(photograph, sources, range);
   const CostVolume volume = costsOf(photograph, sources, levels);
   const SemiGlobalMatch match = semiGlobalMatch(volume);
   SweptDepth result{ImageF(width, height, 1), Image8(width, height, 1), float(levels.step)};

@@ -26,14 +26,22 @@ struct SweptDepth {
 };
 
 /// Whether infinity is among what most photographs see: then those that look up at roofs may see the sky, too. By
-/// photograph what sweptDepth takes; those without tracks do not count.
+/// photograph what sweepRange takes; those without tracks do not count.
 bool mostReachInfinity(std::vector<std::vector<double>> trackInverseDepths);
 
-/// `photograph` and `sources` at about half their size, their masks widened by kSweptWindow. `trackInverseDepths`: of
-/// what the photograph sees, along its axis. `fromInfinity`: whatever they are. Preconditions: at least one source and
-/// one track, all positive.
-SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources,
-                      std::vector<double> trackInverseDepths, bool fromInfinity = false);
+/// Inverse depths along a photograph's axis between which it is swept.
+struct SweepRange {
+  double far = 0, near = 0;  // 0 <= far < near; 0: infinity
+};
+
+/// To well before the nearest tracks; from infinity where the farthest are deep enough, or where `fromInfinity` says
+/// so. In steps of an eighth of an octave, so that a photograph that adds a few tracks changes no other one's depth.
+/// `trackInverseDepths`: of what the photograph sees; one at least, all positive.
+SweepRange sweepRange(std::vector<double> trackInverseDepths, bool fromInfinity = false);
+
+/// `photograph` and `sources` at about half their size, their masks widened by kSweptWindow. Precondition: at least one
+/// source.
+SweptDepth sweptDepth(const SweepView& photograph, std::span<const SweepView> sources, SweepRange range);
 /// Memory that it takes, at most: costs and their sums at all levels, sources and what they show at one.
 inline constexpr double kSweptBytesPerPixel = 700;
 inline constexpr int kSweptWindow = 3;  // px: the window's radius, and one of interpolation

@@ -42,7 +42,8 @@ struct Place {
     }
   }
   SweptDepth swept(std::size_t sources = 5, double farthest = kWall) const {
-    return sweptDepth(views[0], std::span(views).subspan(1, sources), {1 / farthest, 1 / kWall, 1 / kBoard});
+    return sweptDepth(views[0], std::span(views).subspan(1, sources),
+                      sweepRange({1 / farthest, 1 / kWall, 1 / kBoard}));
   }
   // Of all pixels but those at the border.
   double shareRight(const SweptDepth& depth) const {
@@ -128,8 +129,24 @@ TEST_CASE("sky above a wall is found at infinity") {
   CHECK(mostReachInfinity({deep, near, deep, {}}));
   CHECK_FALSE(mostReachInfinity({deep, near, {}, {}}));
   CHECK_FALSE(mostReachInfinity({{}, {}}));
-  const SweptDepth told = sweptDepth(place.views[0], std::span(place.views).subspan(1), near, true);
+  const SweptDepth told = sweptDepth(place.views[0], std::span(place.views).subspan(1), sweepRange(near, true));
   CHECK(std::ranges::count(told.sky.values, 255) > 40 * kWidth * 9 / 10);
+}
+
+TEST_CASE("the range of a sweep holds all but outliers of the tracks, and a few more change nothing") {
+  std::vector<double> tracks;
+  for (int i = 0; i < 1000; ++i) tracks.push_back(0.05 + 0.00025 * i);
+  const SweepRange range = sweepRange(tracks);
+  CHECK(range.far == 0);  // the farthest are a sixth of the nearest
+  CHECK(range.near >= 1.3 * 0.298);
+  CHECK(range.near < 1.3 * 0.3 * 1.1);
+  for (const double more : {0.1, 0.2, 0.25, 50.0}) tracks.push_back(more);
+  CHECK(sweepRange(tracks).near == range.near);
+  const std::vector<double> wall(20, 0.25);
+  CHECK(sweepRange(wall).far > 0.6 * 0.25);
+  CHECK(sweepRange(wall).far <= 0.7 * 0.25);
+  CHECK(sweepRange(wall, true).far == 0);
+  CHECK(sweepRange(wall, true).near == sweepRange(wall).near);
 }
 
 TEST_CASE("extremes: photographs of one place, one pixel, far away and of one grey have finite depth or none") {
@@ -142,8 +159,8 @@ TEST_CASE("extremes: photographs of one place, one pixel, far away and of one gr
   place = Place(false);
   for (SweepView& view : place.views) std::fill(view.grey.values.begin(), view.grey.values.end(), 90.0f);
   check(place.swept());
-  check(sweptDepth(place.views[0], std::span(place.views).subspan(1), {1e-12}));
-  check(sweptDepth(place.views[0], std::span(place.views).subspan(1), {1e12}));
+  check(sweptDepth(place.views[0], std::span(place.views).subspan(1), sweepRange({1e-12})));
+  check(sweptDepth(place.views[0], std::span(place.views).subspan(1), sweepRange({1e12})));
   for (SweepView& view : place.views) {
     view.camera.intrinsics = resized(view.camera.intrinsics, 1, 1);
     view.grey = ImageF(1, 1, 1, 90.0f);
