@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# ibr_test(name [GPU] SOURCES … LIBRARIES … [LABELS …]): one Catch2 executable, registered with CTest.
+# ibr_test(name [GPU] SOURCES … LIBRARIES … [LABELS …] [APART part file…]): one Catch2 executable, registered with CTest.
+# APART: the cases of these files, named without .cpp, are the test name_part, so that they run beside the others.
 # Exit code 77 means "skipped" (no device, no datasets). Where IBR_REQUIRE_DEVICE is set (as in CI) a missing
 # device is a failure; IBR_DATASETS names the folder of datasets for tests labelled `data`.
 # GPU: the program makes a device with validation first (tests/support/gpu.h); any message fails the test case.
@@ -19,12 +20,24 @@ if(TARGET ibr_gpu)
 endif()
 
 function(ibr_test name)
-  cmake_parse_arguments(arg "GPU" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS" ${ARGN})
+  cmake_parse_arguments(arg "GPU" "" "SOURCES;LIBRARIES;LABELS;ARGUMENTS;APART" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE $<IF:$<BOOL:${arg_GPU}>,ibr_test_gpu_support,ibr_test_support> ${arg_LIBRARIES})
   ibr_warnings(${name})
+  set(tests ${name})
+  if(arg_APART)
+    list(POP_FRONT arg_APART part)
+    # Catch2 runs hidden cases, [.], where only exclusions are given.
+    list(TRANSFORM arg_APART REPLACE "(.+)" "[#\\1]~[.]" OUTPUT_VARIABLE these)
+    list(TRANSFORM arg_APART REPLACE "(.+)" "~[#\\1]" OUTPUT_VARIABLE others)
+    list(JOIN these "," these)
+    list(JOIN others "" others)
+    list(APPEND tests ${name}_${part})
+    add_test(NAME ${name}_${part} COMMAND ${name} --filenames-as-tags "${these}")
+    list(APPEND arg_ARGUMENTS --filenames-as-tags "${others}~[.]")
+  endif()
   add_test(NAME ${name} COMMAND ${name} ${arg_ARGUMENTS})
-  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
+  set_tests_properties(${tests} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900 LABELS "${arg_LABELS}")
 endfunction()
 
 # ibr_test_without(name TESTS filter FEATURES …): those of its test cases again, once for each feature as if the device had
