@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "author/exposure/exposure_overlap.h"
+
 namespace ibr {
 namespace {
 
@@ -19,13 +21,6 @@ constexpr double kJudged = 500, kJudge = 1300;
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
-}
-
-// Of overlaps, at most.
-double exposurePoints(std::size_t photographs) {
-  constexpr double kPartners = 10, kMost = 1200, kMostInAll = 350000;
-  const double n = double(photographs), pairs = std::min(n * (n - 1) / 2, kPartners * n);
-  return std::min(kMost * pairs, kMostInAll);
 }
 
 double cellSeconds(const CellWork& cell) {
@@ -67,7 +62,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   addDepth("finding depth", kSweep + kRefine * work.refinements, work.sweptPixels);
   addDepth("confirming depth", kConfirm, std::max(work.sweptPixels, work.backdropPixels));
   if (work.exposures) {
-    const double points = kExposurePoint * exposurePoints(work.photographs);
+    const double points = kExposurePoint * double(mostOverlapPoints(work.photographs));
     add("comparing exposures", 1e-9 * kRead * work.readPixels + points, threads.storing, kSolvingShare * points);
   }
   const double backdrops =
@@ -86,7 +81,7 @@ double bytesToMake(const CellWork& cell) {
 
 double bytesToCompareExposures(const BuildWork& work) {
   constexpr double kBytesPerPoint = 500;  // where it is looked at, what is seen, what is solved
-  return work.exposures ? kBytesPerPoint * exposurePoints(work.photographs) : 0;
+  return work.exposures ? kBytesPerPoint * double(mostOverlapPoints(work.photographs)) : 0;
 }
 
 double bytesKept(const CellWork& cell) {

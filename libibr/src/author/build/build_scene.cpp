@@ -66,9 +66,7 @@ class Builder {
     describe();
     makeCells();
     if (options_.refinePoses && movePoses()) makeCells();
-    const std::vector<PhotographDepth> depths = findDepths();
-    takeExposures(depths);
-    if (options_.backdrops) makeBackdrops(depths);
+    useDepths();
     listUnused();
     if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
@@ -349,9 +347,17 @@ class Builder {
     report_.unused = scene_.unused;
   }
 
-  // In the order of the photographs; none where nothing needs it, that of cells where exposures alone do.
-  std::vector<PhotographDepth> findDepths() const {
-    if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return {};
+  // All photographs' depth takes much memory: none is held any longer.
+  void useDepths() {
+    if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return;
+    const BackdropMaker maker(input_, options_, scene_);
+    const std::vector<PhotographDepth> depths = findDepths(maker);
+    takeExposures(depths);
+    if (options_.backdrops) makeBackdrops(maker, depths);
+  }
+
+  // In the order of the photographs; that of cells where exposures alone need it.
+  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker) const {
     constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
@@ -364,8 +370,7 @@ class Builder {
       matcher.emplace(input_, options_, scene_, jobs_);
       matches = [&matcher](std::size_t view) { return matcher->match(view); };
     }
-    const double bytesEach =
-        std::max(BackdropMaker(input_, options_, scene_).bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
+    const double bytesEach = std::max(maker.bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
     std::size_t run = 0;
     return depthOfPhotographs(
         scene_,
@@ -383,8 +388,7 @@ class Builder {
              }});
   }
 
-  void makeBackdrops(const std::vector<PhotographDepth>& depths) {
-    const BackdropMaker maker(input_, options_, scene_);
+  void makeBackdrops(const BackdropMaker& maker, const std::vector<PhotographDepth>& depths) {
     std::vector<MadeBackdrop> made(depths.size());
     jobs_.runAll("completing backdrops", made.size(), maker.bytes(),
                  [&](std::size_t b) { made[b] = maker.make(std::uint32_t(b), depths[b]); });

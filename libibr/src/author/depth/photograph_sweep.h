@@ -6,7 +6,8 @@
 //
 // The better half: in the other sources something may stand before the surface. ρ goes in even steps, of about one
 // pixel of the median source, to well before the nearest tracks; from 0 (infinity), unless all tracks are about equally
-// far. Sources that move by more pixels a step are read at a smaller size.
+// far and most photographs see nothing that is farther. Sources that move by more pixels a step are read at a smaller
+// size.
 #pragma once
 
 #include <span>

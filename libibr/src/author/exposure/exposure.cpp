@@ -16,8 +16,8 @@
 #include <string>
 #include <utility>
 
-#include "author/exposure/joined_parts.h"
 #include "author/exposure/vignetting.h"
+#include "author/geometry/disjoint_sets.h"
 #include "author/geometry/posed_model.h"
 
 namespace ibr {
@@ -214,12 +214,12 @@ std::vector<ExposureMatch> withoutVignetting(std::vector<ExposureMatch> matches,
 Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatch>& matches,
                          const std::vector<CaptureFacts>& exif) {
   std::vector<Relation> relations;
-  JoinedParts parts(photographs);
+  DisjointSets parts(photographs);
   std::vector<bool> known(photographs, false);
   for (const std::uint32_t k : matchesThatCount(matches)) {
     const ExposureMatch& m = matches[k];
     relations.push_back(relationOf(m));
-    parts.join(m.first, m.second);
+    parts.unite(m.first, m.second);
     known[m.first] = known[m.second] = true;
   }
   // Each camera of each part adds an unknown: what its log gain and log exposure sum up to.
@@ -227,7 +227,7 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
   std::map<std::pair<std::size_t, std::string>, std::size_t> cameras;
   for (std::size_t n = 0; n < std::min(exif.size(), photographs); ++n)
     if (const auto exposure = relativeExposure(exif[n]); exposure && known[n]) {
-      const auto [camera, isNew] = cameras.emplace(std::pair(parts.of(n), cameraOf(exif[n])), count);
+      const auto [camera, isNew] = cameras.emplace(std::pair(parts.find(std::uint32_t(n)), cameraOf(exif[n])), count);
       count += isNew;
       Relation r;
       r.add(camera->second, 1);
@@ -243,14 +243,14 @@ Exposures solveExposures(std::size_t photographs, const std::vector<ExposureMatc
   }
   std::map<std::size_t, std::pair<glm::dvec3, double>> means;
   for (std::size_t n = 0; n < photographs; ++n) {
-    auto& [sum, members] = means[parts.of(n)];
+    auto& [sum, members] = means[parts.find(std::uint32_t(n))];
     sum += x[n];
     ++members;
   }
   Exposures exposures;
   for (const auto& [part, mean] : means) exposures.parts += known[part];
   for (std::size_t n = 0; n < photographs; ++n) {
-    const auto& [sum, members] = means[parts.of(n)];
+    const auto& [sum, members] = means[parts.find(std::uint32_t(n))];
     x[n] -= sum / members;
     exposures.measured += known[n];
   }

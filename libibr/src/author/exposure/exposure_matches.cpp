@@ -10,8 +10,8 @@
 
 #include "author/exposure/exposure.h"
 #include "author/exposure/exposure_overlap.h"
-#include "author/exposure/joined_parts.h"
 #include "author/exposure/vignetting.h"
+#include "author/geometry/disjoint_sets.h"
 #include "author/photographs/masks.h"
 #include "image/srgb.h"
 
@@ -175,7 +175,7 @@ std::optional<PatchView> viewOf(const Camera& camera, const Patch& patch) {
 // is around them: so windows show as much in all photographs, as many pixels as it takes in the coarsest.
 void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, const std::vector<Photograph>& photographs,
               const std::vector<glm::dvec2>* places, double deviation, Samples& samples, std::vector<Pair>& pairs,
-              JoinedParts* parts = nullptr) {
+              DisjointSets* parts = nullptr) {
   std::vector<PatchView> views;
   std::vector<std::uint32_t> seen;
   for (std::size_t i = 0; i < seenBy.size(); ++i)
@@ -196,14 +196,14 @@ void addPatch(const Patch& patch, const std::vector<std::uint32_t>& seenBy, cons
   };
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t j = i + 1; j < std::min(seen.size(), i + 1 + kMostPartners); ++j)
-      if (used[i] && used[j] && seen[i] != seen[j] && (!parts || parts->of(seen[i]) != parts->of(seen[j])))
+      if (used[i] && used[j] && seen[i] != seen[j] && (!parts || parts->find(seen[i]) != parts->find(seen[j])))
         pairs.push_back({seen[i], seen[j], colours[i], colours[j],
                          deviation + kTurnDeviation * glm::distance(ray(seen[i]), ray(seen[j])), kTextureShare});
 }
 
 // Only photographs of parts that nothing denser joins: a track's point is a spot, seen from far apart.
 void addTrack(const Track& track, const std::vector<Photograph>& photographs, const std::vector<glm::dvec2>& scale,
-              JoinedParts& parts, Samples& samples, std::vector<Pair>& pairs) {
+              DisjointSets& parts, Samples& samples, std::vector<Pair>& pairs) {
   std::vector<std::uint32_t> seenBy;
   std::vector<glm::dvec2> places;
   glm::dvec3 mean(0);
@@ -233,8 +233,8 @@ std::vector<ExposureMatch> exposureMatches(const std::vector<Photograph>& photog
   std::vector<Pair> pairs;
   for (const OverlapPoint& point : overlapPoints(photographs, model, depths, jobs))
     addOverlap(point, photographs, samples, pairs);
-  JoinedParts parts(photographs.size());
-  for (const Pair& pair : pairs) parts.join(pair.first, pair.second);
+  DisjointSets parts(photographs.size());
+  for (const Pair& pair : pairs) parts.unite(pair.first, pair.second);
   std::vector<glm::dvec2> modelScale;  // from the model's pixels to those of the photographs
   for (std::size_t n = 0; n < photographs.size(); ++n) {
     const Intrinsics &from = model.images[n].camera.intrinsics, &to = photographs[n].camera.intrinsics;

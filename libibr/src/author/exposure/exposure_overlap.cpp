@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kGridSide = 96;                                  // places along a photograph's longest side
 constexpr int kLeastConfirmations = 1;                         // of a depth that counts
-constexpr std::size_t kMostPoints = 1200, kFewestPoints = 50;  // of a pair …
+constexpr std::size_t kMostPoints = 1200, kFewestPoints = 20;  // of a pair …
 constexpr std::size_t kPointsInAll = 350000;                   // … and of as many photographs as one likes
 constexpr std::size_t kLeastPoints = 60;
 constexpr std::size_t kPartners = 20, kTried = 60;
@@ -81,11 +81,14 @@ double reachOf(const Intrinsics& k) {
   return most;
 }
 
+// Of a pair, in so many photographs.
+std::size_t mostPoints(std::size_t photographs) {
+  return std::clamp(kPointsInAll / std::max<std::size_t>(photographs * kPartners / 2, 1), kFewestPoints, kMostPoints);
+}
+
 class Overlaps {
  public:
-  explicit Overlaps(std::vector<Around> around) : around_(std::move(around)) {
-    const std::size_t pairs = std::max<std::size_t>(around_.size() * kPartners / 2, 1);
-    most_ = std::clamp(kPointsInAll / pairs, kFewestPoints, kMostPoints);
+  explicit Overlaps(std::vector<Around> around) : around_(std::move(around)), most_(mostPoints(around_.size())) {
     for (const Around& a : around_) reach_.push_back(reachOf(a.camera->intrinsics));
   }
 
@@ -136,8 +139,8 @@ class Overlaps {
   }
 
   std::vector<Around> around_;
-  std::vector<double> reach_;
   std::size_t most_;  // points of a pair
+  std::vector<double> reach_;
 };
 
 // Of each photograph the inverse distances of the model's points that it sees.
@@ -150,6 +153,11 @@ std::vector<std::vector<double>> trackDistances(const std::vector<Photograph>& p
 }
 
 }  // namespace
+
+std::size_t mostOverlapPoints(std::size_t photographs) {
+  const std::size_t others = photographs - std::min<std::size_t>(photographs, 1);
+  return photographs * std::min(others, kPartners) / 2 * mostPoints(photographs);
+}
 
 std::vector<OverlapPoint> overlapPoints(const std::vector<Photograph>& photographs, const PosedModel& model,
                                         const std::vector<PhotographDepth>& depths, const BuildJobs& jobs) {

@@ -25,6 +25,9 @@ struct OverlapPoint {
   double inverseDistance = 0;           // from the first along it, per unit of the world; 0: at infinity
 };
 
+/// About how many points there are of so many photographs, at most.
+std::size_t mostOverlapPoints(std::size_t photographs);
+
 /// At most 1200 points (fewer of more than 29 photographs) for each two photographs, each with its 20 nearest
 /// neighbours that share enough with it, and those with it. `model` and `depths`: of these photographs, in their order.
 /// Throws Error{cancelled}.
