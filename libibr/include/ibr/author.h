@@ -118,7 +118,7 @@ enum class TrackSource : std::uint8_t {
 /// How the members of a cell are matched.
 enum class MatchMethod : std::uint8_t {
   automatic,    // sweep where the poses are usable (1 px of reprojection, median over a cell's tracks), else flow
-  sweep,        // planes through space at all depths, the poses being known
+  sweep,        // the members' depth (DepthSearch); fast: planes through space at all depths. The poses being known
   homographic,  // planes of the scene found among sparse features ([T]'s reference 25)
   flow,         // optical flow from the map that sparse features say; needs no poses
 };
@@ -129,7 +129,7 @@ constexpr const char* methodName(MatchMethod matcher) {
 
 /// How the depth of each photograph is found; times and accuracy: docs/quality.md.
 enum class DepthSearch : std::uint8_t {
-  fast,     // none: it has the depth of its cells, or of its points
+  fast,     // not at all: cells are swept, and it has their depth, or that of its points
   swept,    // against up to ten others, in levels
   refined,  // then by slanted planes, to a part of a level
   fine,     // that in twice the sides

@@ -52,22 +52,24 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
     cells += cellSeconds(cell);
     longest = std::max(longest, cellSeconds(cell));
   }
-  add("matching cells", cells, threads.cells, longest);
-  add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, cells are matched once more
-  const double eachBackdrop = 1 / std::max(double(work.backdrops), 1.0);
+  const double each = 1 / photographs;
   const auto addDepth = [&](const char* stage, double nanoseconds, double pixels) {
     const double seconds = 1e-9 * nanoseconds * pixels;
-    add(stage, seconds, threads.backdrops, seconds * eachBackdrop);
+    add(stage, seconds, threads.backdrops, seconds * each);
   };
   addDepth("finding depth", kSweep + kRefine * work.refinements, work.sweptPixels);
-  addDepth("confirming depth", kConfirm, std::max(work.sweptPixels, work.backdropPixels));
+  const auto addConfirmed = [&](double pixels) { addDepth("confirming depth", kConfirm, pixels); };
+  addConfirmed(work.sweptPixels);
+  add("matching cells", cells, threads.cells, longest);
+  add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, all since the features once more
+  if (work.sweptPixels == 0) addConfirmed(work.backdropPixels);
   if (work.exposures) {
     const double points = kExposurePoint * double(mostOverlapPoints(work.photographs));
     add("comparing exposures", 1e-9 * kRead * work.readPixels + points, threads.storing, kSolvingShare * points);
   }
   const double backdrops =
       double(work.backdrops) > 0 ? 1e-9 * (kBackdrop * work.backdropPixels + kRead * work.readPixels) : 0;
-  add("completing backdrops", backdrops, threads.backdrops, backdrops * eachBackdrop);
+  add("completing backdrops", backdrops, threads.backdrops, backdrops * each);
   return stages;
 }
 

@@ -64,9 +64,9 @@ class Builder {
     report_.dropped = plan_.dropped;
     warnOfEmptyPlan();
     describe();
-    makeCells();
-    if (options_.refinePoses && movePoses()) makeCells();
-    useDepths();
+    std::vector<PhotographDepth> depths = makeCells();
+    if (options_.refinePoses && movePoses()) depths = makeCells();
+    useDepths(std::move(depths));
     listUnused();
     if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
@@ -116,6 +116,7 @@ class Builder {
       photo.storedMask = keptFile(keptFolder(options_), input_.hashes[i], "png");
       writeImage(photo.storedMask, loadMask(photo, photo.mask));
     });
+    for (const Photograph& photo : input_.photographs) scene_.nodes.push_back({photo.name, photo.camera});
   }
 
   void storePhotographs() {
@@ -244,8 +245,11 @@ class Builder {
     log_(LogLevel::warning, text);
   }
 
-  void makeCells() {
-    const CellMaker maker(input_, options_);
+  // The cells have the photographs' depth, unless that is to be fast: then it is theirs.
+  std::vector<PhotographDepth> makeCells() {
+    std::vector<PhotographDepth> depths;
+    if (options_.depth != DepthSearch::fast) depths = findDepths();
+    const CellMaker maker(input_, options_, depths);
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
       std::vector<MadeCell> made(wanted.size());
@@ -262,6 +266,7 @@ class Builder {
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
       wanted = planner_->standIns(failed, done);
     }
+    return depths;
   }
 
   std::vector<std::string> namesOf(const CellMembers& members) const {
@@ -348,16 +353,16 @@ class Builder {
   }
 
   // All photographs' depth takes much memory: none is held any longer.
-  void useDepths() {
+  void useDepths(std::vector<PhotographDepth> depths) {
     if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return;
+    if (options_.depth == DepthSearch::fast) depths = findDepths();
     const BackdropMaker maker(input_, options_, scene_);
-    const std::vector<PhotographDepth> depths = findDepths(maker);
     takeExposures(depths);
     if (options_.backdrops) makeBackdrops(maker, depths);
   }
 
-  // In the order of the photographs; that of cells where exposures alone need it.
-  std::vector<PhotographDepth> findDepths(const BackdropMaker& maker) const {
+  // In the order of the photographs.
+  std::vector<PhotographDepth> findDepths() const {
     constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
@@ -366,16 +371,19 @@ class Builder {
     }
     std::optional<DepthMatcher> matcher;
     DepthMatches matches;
-    if (options_.backdrops && options_.depth != DepthSearch::fast) {
-      matcher.emplace(input_, options_, scene_, jobs_);
+    std::optional<double> residualPx;
+    if (options_.depth != DepthSearch::fast) {
+      matcher.emplace(input_, options_, jobs_);
       matches = [&matcher](std::size_t view) { return matcher->match(view); };
+      residualPx = storedResidualPx();
     }
-    const double bytesEach = std::max(maker.bytesOfDepth(), matcher ? matcher->bytesToMatch() : 0.0);
+    const double bytesEach = matcher ? matcher->bytesToMatch() : BackdropMaker(input_, options_, scene_).bytesOfDepth();
     std::size_t run = 0;
     return depthOfPhotographs(
         scene_,
         {.matches = matches,
          .points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
+         .residualPx = residualPx,
          .depths =
              [&](std::size_t count, const auto& job) {
                jobs_.runAll("finding depth", count, bytesEach, job, kDepthBytesPerPixel * pixels);
@@ -386,6 +394,14 @@ class Builder {
                static_assert(kStages.size() == kEvidenceRuns);
                jobs_.runAll(kStages[run++], count, 1, job);
              }});
+  }
+
+  // Of the model's points, px of the stored photographs.
+  double storedResidualPx() const {
+    if (input_.photographs.empty()) return 0;
+    const double scale =
+        double(input_.photographs[0].camera.intrinsics.width) / double(input_.model.images[0].camera.intrinsics.width);
+    return scale * reprojectionError(input_.model);
   }
 
   void makeBackdrops(const BackdropMaker& maker, const std::vector<PhotographDepth>& depths) {

@@ -23,7 +23,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 13;  // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 14;  // of the cells' making: raise it when they come out differently
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 
@@ -32,6 +32,7 @@ struct CellPlanned {
   std::vector<glm::dvec3> points;  // that all members see; if they are few, those that two see
   std::vector<Camera> cameras;     // at the size and the poses that are matched; none for panoramas
   CellMatchOptions match;
+  std::vector<MemberDepth> depths;  // of the members; empty: the cell is swept
 };
 
 struct SharedPoints {
@@ -59,18 +60,28 @@ SharedPoints sharedPoints(const BuildInput& input, const std::vector<std::uint32
   return shared;
 }
 
-CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options,
+std::vector<MemberDepth> depthsOf(std::span<const PhotographDepth> depths, const std::vector<std::uint32_t>& members) {
+  std::vector<MemberDepth> result;
+  for (const std::uint32_t i : members)
+    result.push_back({depths[i].matched.map.camera, keptDepth(depths[i]), depths[i].matched.step});
+  return result;
+}
+
+CellPlanned plannedCell(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths,
                         const std::vector<std::uint32_t>& members) {
   SharedPoints shared = sharedPoints(input, members);
   CellPlanned planned;
   planned.points = std::move(shared.points);
   planned.match.refine = input.refine;
   planned.match.seed = options.seed;
-  if (isPanorama(input.photographs[members[0]])) return planned;
-  planned.cameras = camerasToMatch(input, members);
-  const double error = cellReprojectionError(input.model, members, planned.cameras, shared.tracks);
-  planned.match.matcher = chosenMatcher(options.matcher, error);
-  planned.match.posesUsable = error <= kUsablePx;
+  const bool panoramic = isPanorama(input.photographs[members[0]]);
+  if (!panoramic) {
+    planned.cameras = camerasToMatch(input, members);
+    const double error = cellReprojectionError(input.model, members, planned.cameras, shared.tracks);
+    planned.match.matcher = chosenMatcher(options.matcher, error);
+    planned.match.posesUsable = error <= kUsablePx;
+  }
+  if (!depths.empty() && planned.match.matcher == MatchMethod::sweep) planned.depths = depthsOf(depths, members);
   return planned;
 }
 
@@ -91,6 +102,10 @@ std::uint64_t keyOf(const BuildInput& input, const BuildOptions& options, const 
   hash.add(int(planned.match.matcher));
   hash.add(planned.match.posesUsable);
   hash.add(int(options.triangleFilter));
+  for (const MemberDepth& depth : planned.depths) {
+    hash.add(std::as_bytes(std::span(depth.inverseDepth.values)));
+    hash.add(depth.step);
+  }
   return hash.value();
 }
 
@@ -104,7 +119,9 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
     stored.push_back(input.photographs[i].camera);
   }
   for (std::size_t i = 0; i < views.size(); ++i) views[i].camera = planned.cameras[i];
-  DenseMatch match = matchCell(views, planned.points, planned.match);
+  CellMatchOptions matching = planned.match;
+  matching.depths = planned.depths;
+  DenseMatch match = matchCell(views, planned.points, matching);
   if (std::ranges::none_of(full, &Image8::empty) && planned.match.matcher == MatchMethod::sweep) {
     match.vertices = matchedVertices(views, match);
     refineInFull(views, full, match, *match.vertices);
@@ -114,12 +131,12 @@ CellMesh pinholeCell(const BuildInput& input, const BuildOptions& options, const
 }
 
 CellMesh cellOfPanoramas(const BuildInput& input, const std::vector<std::uint32_t>& members,
-                         const std::vector<glm::dvec3>& points) {
+                         const CellPlanned& planned) {
   std::vector<PanoramaView> views;
   for (const std::uint32_t i : members)
     views.push_back(
         {input.photographs[i].camera, loadPhotograph(input.photographs[i]), storedMask(input.photographs[i])});
-  return panoramaCell(views, points, {input.refine});
+  return panoramaCell(views, planned.points, {input.refine, planned.depths});
 }
 
 }  // namespace
@@ -151,15 +168,14 @@ MatchView viewOf(const Photograph& photograph, Image8* whole) {
 MadeCell CellMaker::make(const std::vector<std::uint32_t>& members) const {
   const Stopwatch watch;
   const double before = threadSeconds();
-  const CellPlanned planned = plannedCell(input_, options_, members);
+  const CellPlanned planned = plannedCell(input_, options_, depths_, members);
   const std::uint64_t key = keyOf(input_, options_, members, planned);
   const bool panoramic = isPanorama(input_.photographs[members[0]]);
   if (auto kept = fetchCell(keptFolder(options_), key))
     return {std::move(*kept), watch.seconds(), threadSeconds() - before, true, key, planned.match.matcher};
   MadeCell made{{}, 0, 0, false, key, planned.match.matcher};
   try {
-    made.cell =
-        panoramic ? cellOfPanoramas(input_, members, planned.points) : pinholeCell(input_, options_, members, planned);
+    made.cell = panoramic ? cellOfPanoramas(input_, members, planned) : pinholeCell(input_, options_, members, planned);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::invalidInput) throw;
     std::string names;
@@ -194,6 +210,7 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
   work.pixels = double(k.width) * k.height;
+  if (options_.depth != DepthSearch::fast) return work;
   std::vector<double> depths;
   for (const glm::dvec3& point : sharedPoints(input_, members).points)
     if (const double w = inverseDepth(frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);

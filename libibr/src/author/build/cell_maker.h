@@ -6,10 +6,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "author/build/build_cost.h"
 #include "author/build/build_input.h"
+#include "author/depth/photograph_depth.h"
 #include "author/match/match.h"
 #include "author/mesh/mesh.h"
 
@@ -33,8 +35,10 @@ std::vector<Camera> camerasToMatch(const BuildInput& input, const std::vector<st
 
 class CellMaker {
  public:
-  /// Both outlive the object.
-  CellMaker(const BuildInput& input, const BuildOptions& options) : input_(input), options_(options) {}
+  /// All outlive the object. `depths`: of all photographs, as depthOfPhotographs gives them; cells that are matched by
+  /// MatchMethod::sweep have the depth that their members keep. Empty: it is swept.
+  CellMaker(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths = {})
+      : input_(input), options_(options), depths_(depths) {}
 
   /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. With backdrops asked
   /// for, the members' own depths are kept as well (cell_cache.h). Throws Error.
@@ -46,6 +50,7 @@ class CellMaker {
  private:
   const BuildInput& input_;
   const BuildOptions& options_;
+  std::span<const PhotographDepth> depths_;
 };
 
 }  // namespace ibr

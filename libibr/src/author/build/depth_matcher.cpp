@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "author/backdrop/backdrop.h"
-#include "author/build/cell_tracks.h"
+#include "author/build/assumed_tracks.h"
 #include "author/depth/depth_sources.h"
 #include "author/depth/refined_depth.h"
 #include "author/geometry/mean_frame.h"
@@ -22,7 +22,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 6;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 7;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
@@ -114,19 +114,18 @@ SweepView DepthMatcher::Picture::view() const {
   return view;
 }
 
-DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const Scene& scene,
-                           const BuildJobs& jobs)
+DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs)
     : input_(input), options_(options), model_(input.model) {
   std::vector<bool> hasNone;
   for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
-  std::ranges::move(cellTracks(scene, hasNone), std::back_inserter(model_.tracks));
-  tracksOf_ = tracksOfImages(model_);
   std::vector<Camera> cameras;
   double bytes = 0;
   for (const Photograph& photo : input.photographs) {
     cameras.push_back(photo.camera);
     bytes = std::max(bytes, bytesToReadViews(photo));
   }
+  std::ranges::move(assumedTracks(cameras, hasNone), std::back_inserter(model_.tracks));
+  tracksOf_ = tracksOfImages(model_);
   views_ = depthViews(cameras);
   small_.resize(views_.size());
   fine_.resize(views_.size());

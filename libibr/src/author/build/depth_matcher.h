@@ -33,9 +33,9 @@ double bytesToReadViews(const Photograph& photograph);
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. `scene`: of them, with its cells. `input` and `options` must outlive the object. Throws as
-  /// loadPhotograph and BuildJobs::runAll do.
-  DepthMatcher(const BuildInput& input, const BuildOptions& options, const Scene& scene, const BuildJobs& jobs);
+  /// Reads the photographs. `input` and `options` must outlive the object. Throws as loadPhotograph and
+  /// BuildJobs::runAll do.
+  DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);
 
   /// Of one of the photographs' depthViews(), at sweptSize(); DepthSearch::fine: kFinerSides of it. nullopt where no
   /// other view sees the same places. Finished depth is kept as cells are. Any number of threads.
@@ -61,7 +61,7 @@ class DepthMatcher {
 
   const BuildInput& input_;
   const BuildOptions& options_;
-  PosedModel model_;  // the input's; photographs without tracks have those of cells
+  PosedModel model_;  // the input's; photographs without tracks have assumed ones
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
   bool fromInfinity_ = false;          // most views of the scene reach it: those that look up at roofs see the sky too

@@ -28,7 +28,8 @@ bool isSky(const PhotographDepth& depth, std::size_t pixel) {
   return !depth.sky.empty() && depth.sky.values[pixel];
 }
 
-// Where it is not kept: kUnknownDepth.
+}  // namespace
+
 ImageF keptDepth(const PhotographDepth& depth) {
   constexpr float kSurfaceSteps = 2;  // between neighbours of one surface
   ImageF kept = depth.matched.map.inverseDepth;
@@ -45,6 +46,8 @@ ImageF keptDepth(const PhotographDepth& depth) {
     if (speckle[p]) kept.values[p] = kUnknownDepth;
   return kept;
 }
+
+namespace {
 
 Camera sizedAs(const Camera& stored, glm::ivec2 size) {
   return {resized(stored.intrinsics, size.x, size.y), stored.pose};
@@ -147,7 +150,8 @@ std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const Photog
   std::vector<bool> inCell(scene.nodes.size(), false);
   for (const Cell& cell : scene.cells)
     for (const std::uint32_t member : cell.members) inCell[member] = true;
-  const double spacing = captureSpacing(cameras), residualPx = medianResidualPx(scene);
+  const double spacing = captureSpacing(cameras),
+               residualPx = options.residualPx ? *options.residualPx : medianResidualPx(scene);
   std::vector<FoundDepth> found(views.size());
   std::vector<ConsistentDepth> matched(views.size());
   const JobRunner runDepths = options.depths ? options.depths : runInTurn,

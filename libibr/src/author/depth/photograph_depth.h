@@ -42,9 +42,10 @@ using DepthMatches = std::function<std::optional<SweptDepth>(std::size_t view)>;
 using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t node)>;
 
 struct PhotographDepthOptions {
-  DepthMatches matches = {};     // empty: of the scene's cells
-  PhotographPoints points = {};  // of a photograph that no cell has; empty: nothing is known of its depth
-  JobRunner depths, evidence;    // run the jobs of both steps; empty: one after the other
+  DepthMatches matches = {};              // empty: of the scene's cells
+  PhotographPoints points = {};           // of a photograph that no cell has; empty: nothing is known of its depth
+  std::optional<double> residualPx = {};  // of the poses, px of the stored photographs; nullopt: of the cells
+  JobRunner depths, evidence;             // run the jobs of both steps; empty: one after the other
 };
 
 /// Median over the cells of their reprojection residual, px of the stored photographs; 0 where no cell states one.
@@ -53,6 +54,9 @@ double medianResidualPx(const Scene& scene);
 /// Of all photographs, in the order of the nodes. Does not depend on the order in which jobs are run. 8 bytes a pixel.
 /// Throws what the runners throw.
 std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options = {});
+
+/// The depth as far as it is kept; kUnknownDepth elsewhere.
+ImageF keptDepth(const PhotographDepth& depth);
 
 /// Depth that is known everywhere. Four maps of one size.
 struct CompletedDepth {

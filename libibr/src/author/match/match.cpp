@@ -28,8 +28,9 @@ constexpr float kHidden = 10.0f;      // levels by which something stands before
 constexpr double kResidual = 3.0;     // px
 constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
 
-Camera scaled(const Camera& camera, int width, int height) {
-  return {resized(camera.intrinsics, width, height), camera.pose};
+Camera halved(const Camera& camera) {
+  const Intrinsics& k = camera.intrinsics;
+  return {resized(k, std::max(k.width / 2, 1), std::max(k.height / 2, 1)), camera.pose};
 }
 
 bool contains(const Image8& picture, glm::dvec2 pixel) {
@@ -50,7 +51,7 @@ class Matcher {
   }
 
   DenseMatch run(std::span<const glm::dvec3> points) {
-    sweep(points);
+    findDepth(points);
     project();
     gate();
     if (options_.refine) refine();
@@ -60,25 +61,31 @@ class Matcher {
  private:
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width_) + std::size_t(x); }
 
-  void sweep(std::span<const glm::dvec3> points) {
+  void findDepth(std::span<const glm::dvec3> points) {
+    const Camera frame = halved(match_.frame);
+    std::vector<Camera> halves;
+    for (const Camera& camera : cameras_) halves.push_back(halved(camera));
+    std::vector<double> depths;
+    for (const glm::dvec3& point : points)
+      if (const double w = inverseDepth(match_.frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
+    check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
+    const SweepLevels levels = sweepLevels(frame, halves, std::move(depths));
+    match_.inverseDepthStep = float(levels.step);
+    const ImageF half = options_.depths.empty() ? swept(frame, halves, levels, points) : ofMembers(frame, levels.step);
+    match_.inverseDepth = enlarged(fitPlanes(half, match_.inverseDepthStep), width_, height_);
+  }
+
+  ImageF swept(const Camera& frame, std::span<const Camera> cameras, const SweepLevels& levels,
+               std::span<const glm::dvec3> points) const {
     std::vector<SweepView> halves;
-    std::vector<Camera> cameras;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const int width = std::max(grey_[i].width / 2, 1), height = std::max(grey_[i].height / 2, 1);
-      halves.push_back({scaled(cameras_[i], width, height), ImageF(width, height, 1)});
-      cameras.push_back(halves.back().camera);
+      const int width = cameras[i].intrinsics.width, height = cameras[i].intrinsics.height;
+      halves.push_back({cameras[i], ImageF(width, height, 1)});
       cv::Mat small, target = cvView(halves.back().grey);
       cv::resize(cvView(grey_[i]), small, {width, height}, 0, 0, cv::INTER_AREA);
       small.convertTo(target, CV_32F);
       halves.back().mask = widenedMask(resizedMask(views_[i].mask, width, height), kSweepWindow);
     }
-    const Camera frame = scaled(match_.frame, std::max(width_ / 2, 1), std::max(height_ / 2, 1));
-    std::vector<double> depths;
-    for (const glm::dvec3& point : points)
-      if (const double w = inverseDepth(match_.frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
-    check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the cell's members");
-    const SweepLevels levels = sweepLevels(frame, cameras, std::move(depths));
-
     std::vector<glm::dvec3> planes = dominantPlanes(match_.frame, cameras_, points);
     const glm::dvec3 toHalf(double(width_) / frame.intrinsics.width, double(height_) / frame.intrinsics.height, 1.0);
     for (glm::dvec3& plane : planes) plane *= toHalf;
@@ -87,8 +94,13 @@ class Matcher {
     cleanDepth(level, kSpeckleStep, kSpeckle);
     trimForegrounds(frame, halves, levels, volume.guide, level);
     for (float& l : level.values) l = float(levels.at(double(l)));
-    match_.inverseDepthStep = float(levels.step);
-    match_.inverseDepth = enlarged(fitPlanes(level, match_.inverseDepthStep), width_, height_);
+    return level;
+  }
+
+  ImageF ofMembers(const Camera& frame, double step) {
+    FrameDepth depth = depthOfFrame(frame, options_.depths, step);
+    cv::resize(cvView(depth.agree), agree_, {width_, height_}, 0, 0, cv::INTER_NEAREST);
+    return std::move(depth.inverseDepth);
   }
 
   void project() {
@@ -152,6 +164,7 @@ class Matcher {
         for (const std::size_t k : {i, j}) cvView(match_.seen[k]).setTo(1, found.textured & inside & used);
       }
     all &= any;
+    for (std::size_t i = 0; i < views_.size() && !agree_.empty(); ++i) all &= ((agree_ & (1 << i)) > 0) | ~usedBy(i);
     Image8 solid(width_, height_, 1);
     cvView(solid).setTo(1, any);
     match_.good = Image8(width_, height_, 1);
@@ -198,6 +211,7 @@ class Matcher {
   std::vector<cv::Mat> warped_;   // as the frame sees it, float
   std::vector<cv::Mat> ignored_;  // 255 where the frame sees what is masked; empty where nothing is
   std::vector<Image8> inside_;
+  cv::Mat agree_;  // FrameDepth::agree; empty: the frame was swept
   DenseMatch match_;
 };
 

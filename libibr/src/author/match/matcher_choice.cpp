@@ -49,7 +49,7 @@ DenseMatch matchCell(std::span<const MatchView> views, std::span<const glm::dvec
     case MatchMethod::homographic:
       return matchByHomographies(views, {options.posesUsable, options.posesUsable && !options.refine, options.seed});
     default:
-      return matchViews(views, points, {options.refine});
+      return matchViews(views, points, {options.refine, options.depths});
   }
 }
 

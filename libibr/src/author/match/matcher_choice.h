@@ -26,6 +26,7 @@ struct CellMatchOptions {
   bool posesUsable = true;                   // to kUsablePx …
   bool refine = false;                       // … but not exact
   std::uint64_t seed = 1;
+  std::span<const MemberDepth> depths = {};  // as MatchOptions::depths; for the sweep
 };
 
 /// Precondition: 2 to 4 views. Throws Error{invalidInput} where the sweep has no point in front of the members.
