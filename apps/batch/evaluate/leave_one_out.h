@@ -2,8 +2,8 @@
 // `ibr eval --leave-one-out`: a scene is built without each held-out photograph, its view rendered and compared.
 //
 //   1. cells are finished in one folder for all builds, under keys that say all that a cell depends on: those without
-//      the photograph are matched once (BuildOptions::finishedCells), where their points do not change with it: tracks
-//      of our own do
+//      the photograph are matched once (BuildOptions::finishedCells), where neither their points nor their depth change
+//      with it: tracks of our own do, and so does the depth of photographs (all but DepthSearch::fast)
 //   2. where poses are refined, they are so without the photograph, too, which is then resected among them
 //   3. what came of a view is kept, under a key of all that it depends on: an interrupted run goes on
 #pragma once

@@ -61,7 +61,7 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   const auto addConfirmed = [&](double pixels) { addDepth("confirming depth", kConfirm, pixels); };
   addConfirmed(work.sweptPixels);
   add("matching cells", cells, threads.cells, longest);
-  add("refining poses", kObservation * work.refinedBy, 1, 0);  // if that moves any, all since the features once more
+  add("refining poses", kObservation * work.refinedBy, 1, 0);  // after it, cells are made once more
   if (work.sweptPixels == 0) addConfirmed(work.backdropPixels);
   if (work.exposures) {
     const double points = kExposurePoint * double(mostOverlapPoints(work.photographs));

@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "author/backdrop/backdrop.h"
 #include "author/build/backdrop_maker.h"
@@ -64,8 +65,11 @@ class Builder {
     report_.dropped = plan_.dropped;
     warnOfEmptyPlan();
     describe();
-    std::vector<PhotographDepth> depths = makeCells();
-    if (options_.refinePoses && movePoses()) depths = makeCells();
+    std::vector<PhotographDepth> depths;
+    if (!options_.refinePoses || !refineByCells()) {
+      if (options_.depth != DepthSearch::fast) depths = findDepths();
+      makeCells(depths);
+    }
     useDepths(std::move(depths));
     listUnused();
     if (options_.finish) finish();
@@ -84,7 +88,7 @@ class Builder {
     takeMasksFromTracks();
     if (input_.refine) {
       planCells();
-      makeCells();
+      makeCells({});
       refine();
     }
     if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
@@ -162,6 +166,15 @@ class Builder {
   void refine() {
     jobs_.step("refining poses", 0, 1);
     report_.refinement = refinePoses(input_, scene_.cells);
+  }
+
+  // By swept cells, which look for matches where depth would have none yet. Whether they are the scene's.
+  bool refineByCells() {
+    if (input_.refine) makeCells({});
+    if (movePoses() || !input_.refine) return false;
+    if (options_.depth == DepthSearch::fast) return true;
+    forgetCells();
+    return false;
   }
 
   // Whether any did.
@@ -245,10 +258,8 @@ class Builder {
     log_(LogLevel::warning, text);
   }
 
-  // The cells have the photographs' depth, unless that is to be fast: then it is theirs.
-  std::vector<PhotographDepth> makeCells() {
-    std::vector<PhotographDepth> depths;
-    if (options_.depth != DepthSearch::fast) depths = findDepths();
+  // `depths`: of the photographs, which the cells have too; none: the cells are swept.
+  void makeCells(std::span<const PhotographDepth> depths) {
     const CellMaker maker(input_, options_, depths);
     std::vector<CellMembers> wanted = plan_.cells, done;
     for (std::string_view stage = "matching cells"; !wanted.empty(); stage = "matching stand-ins") {
@@ -266,7 +277,6 @@ class Builder {
         (take(wanted[c], std::move(made[c])) ? done : failed).push_back(wanted[c]);
       wanted = planner_->standIns(failed, done);
     }
-    return depths;
   }
 
   std::vector<std::string> namesOf(const CellMembers& members) const {

@@ -210,7 +210,8 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
   work.pixels = double(k.width) * k.height;
-  if (options_.depth != DepthSearch::fast) return work;
+  const bool swept = options_.depth == DepthSearch::fast || (options_.refinePoses && input_.refine);
+  if (!swept) return work;
   std::vector<double> depths;
   for (const glm::dvec3& point : sharedPoints(input_, members).points)
     if (const double w = inverseDepth(frame, point); w > 0 && std::isfinite(w)) depths.push_back(w);
