@@ -120,7 +120,6 @@ class Builder {
       photo.storedMask = keptFile(keptFolder(options_), input_.hashes[i], "png");
       writeImage(photo.storedMask, loadMask(photo, photo.mask));
     });
-    for (const Photograph& photo : input_.photographs) scene_.nodes.push_back({photo.name, photo.camera});
   }
 
   void storePhotographs() {
