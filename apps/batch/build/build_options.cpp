@@ -132,14 +132,14 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
   app.add_flag_callback(
       "--no-backdrops", [&choices] { choices.build.backdrops = false; },
       "Make no backdrops: where cells show nothing, holes stay");
-  addChoice<DepthSearch>(
-      app, "--depth", choices.build.depth,
-      {{"fast", DepthSearch::fast},
-       {"swept", DepthSearch::swept},
-       {"refined", DepthSearch::refined},
-       {"fine", DepthSearch::fine}},
-      "How the depth of each photograph is found: fast takes that of its cells, the others match it "
-      "against ten photographs; refined mends that by slanted planes, fine in twice the sides [refined]");
+  addChoice<DepthSearch>(app, "--depth", choices.build.depth,
+                         {{"fast", DepthSearch::fast},
+                          {"swept", DepthSearch::swept},
+                          {"refined", DepthSearch::refined},
+                          {"fine", DepthSearch::fine}},
+                         "How the depth of each photograph is found: fast takes that of its cells, the others match it "
+                         "against ten photographs, and cells have it too; refined mends that by slanted planes, fine "
+                         "in twice the sides [refined]");
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
                  "Least distance of a backdrop's vertices in px of a picture of 512 px [2]");

@@ -2,8 +2,9 @@
 // What a build will take, before it begins: a model of its stages' costs, whose constants were measured on one machine,
 // times how fast this one does a little of the same work right now (machine_speed.h).
 //
-// Matching a cell is by far the most of it. Of its frame of P px, swept over L levels at a quarter of the pixels, with
-// m members: P·(a + b·m) for what is done once a pixel, P·L·(c + d·m) for the sweep and the semi-global paths.
+// Depth of photographs is by far the most of it, or, where that is not found, matching of cells. Of a cell's frame of
+// P px with m members: P·(a + b·m) for what is done once a pixel; where it is swept over L levels at a quarter of the
+// pixels, P·L·(c + d·m) for that and the semi-global paths.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +17,7 @@ namespace ibr {
 /// Of one cell.
 struct CellWork {
   double pixels = 0;  // of the frame in which it is matched
-  double levels = 0;  // of the sweep
+  double levels = 0;  // of the sweep; 0: it has its members' depth
   std::size_t members = 0;
   double readPixels = 0;    // of the members' files
   double loadingBytes = 0;  // of memory, while one member is read

@@ -40,8 +40,7 @@ class CellMaker {
   CellMaker(const BuildInput& input, const BuildOptions& options, std::span<const PhotographDepth> depths = {})
       : input_(input), options_(options), depths_(depths) {}
 
-  /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. With backdrops asked
-  /// for, the members' own depths are kept as well (cell_cache.h). Throws Error.
+  /// `members`: 2 to 4 photographs, all panoramas or none. May be called from several threads. Throws Error.
   MadeCell make(const std::vector<std::uint32_t>& members) const;
 
   /// What making one has to do. Of panoramas, and of cells whose points lie behind them, roughly.

@@ -3,7 +3,7 @@
 //
 //   layer   a member's depth map as a surface, cut where it jumps, as the frame sees it: its nearest part
 //   vote    the layers of a pixel support each other; the pixel has the mean depth of those around the best supported
-//   agree   where all members have it
+//   agree   which members have it
 #pragma once
 
 #include <span>
@@ -27,7 +27,8 @@ struct FrameDepth {
   Image8 agree;         // bit i: member i has that depth
 };
 
-/// `frame`: a pinhole. `step`: ρ that a level of a plane sweep would have. Precondition: at most kMostMembers.
+/// `frame`: a pinhole. `step`: ρ that a level of a plane sweep would have; depths that differ by two of these and 1 %
+/// are one. Pure. Throws Error{invalidInput} for more than kMostMembers (author/geometry/match_view.h).
 FrameDepth depthOfFrame(const Camera& frame, std::span<const MemberDepth> members, double step);
 
 }  // namespace ibr

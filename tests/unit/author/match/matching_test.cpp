@@ -124,6 +124,29 @@ TEST_CASE("two planes are matched to a third of a pixel, and the mesh is sound")
   CHECK(cell.quality.residualPx < 0.3);
 }
 
+TEST_CASE("members' depth is that of their frame; where one has another the gate is shut, unless it is masked there") {
+  Stage stage = makeStage(false);
+  std::vector<MemberDepth> depths;
+  for (const Camera& camera : stage.cameras) {
+    depths.push_back({camera, renderDepth(stage.scene, camera), 0.01});
+    for (float& depth : depths.back().inverseDepth.values) depth = std::isfinite(depth) ? 1 / depth : -1;
+  }
+  const auto goodShare = [&] {
+    const DenseMatch match = matchViews(stage.views, stage.points, {false, depths});
+    const std::size_t pixels = match.good.values.size();
+    for (std::size_t p = 0; p < pixels; ++p)
+      if (match.good.values[p])
+        CHECK(match.inverseDepth.values[p] ==
+              Approx(inverseDepth(match.frame, {match.frame.pose.position.x, 5, 0})).epsilon(1e-3));
+    return double(std::ranges::count(match.good.values, 1)) / double(pixels);
+  };
+  CHECK(goodShare() > 0.6);
+  for (float& depth : depths[2].inverseDepth.values) depth *= 2;
+  CHECK(goodShare() == 0);
+  stage.views[2].mask = Image8(stage.views[2].picture.width, stage.views[2].picture.height, 1, 0);
+  CHECK(goodShare() > 0.6);
+}
+
 TEST_CASE("views smaller than the stored photographs give matches in stored pixels") {
   const Stage stage = makeStage(false);
   std::vector<Camera> stored = stage.cameras;
