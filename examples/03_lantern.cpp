@@ -270,12 +270,12 @@ class Picture {
  public:
   Picture(ibr::Device& device, const ibr::Scene& scene, const std::filesystem::path& lantern)
       : gpuScene_(device, scene),
-        renderer_(device, gpuScene_, {.largest = kExtent, .depth = true}),
+        renderer_(device, gpuScene_, optionsWithDepth(device)),
         offscreen_(device, kExtent),
         polygons_(device, readGltf(lantern)) {
     ibr::Camera view = scene.nodes.at(1).camera;
     view.intrinsics = ibr::pinholeFromFov(int(kExtent.width), int(kExtent.height), std::numbers::pi / 5.5);
-    plan_ = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, {}});
+    plan_ = ibr::planFrame(scene, ibr::sceneBounds(scene), {{view}, settingsOf(device)});
   }
 
   /// `testDepth` false: as if nothing had been photographed.
@@ -310,6 +310,15 @@ class Picture {
   }
 
  private:
+  static ibr::RenderSettings settingsOf(const ibr::Device& device) {
+    return ibr::preset(ibr::Preset::balanced, device.kind());
+  }
+  static ibr::RendererOptions optionsWithDepth(const ibr::Device& device) {
+    ibr::RendererOptions options = ibr::optionsFor(settingsOf(device), kExtent);
+    options.depth = true;
+    return options;
+  }
+
   // The renderer has left both images ready to be drawn into; their contents stay.
   static void begin(VkCommandBuffer commands, const ibr::Target& target, bool testDepth) {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};

@@ -9,7 +9,6 @@ layout(location = 6) in float inInverseDistance;  // ρ
 layout(location = 7) in float inUncertainty;
 
 layout(push_constant) uniform Constants {
-  float tier;
   float rank;
   float extrapolation;
 };
@@ -46,7 +45,7 @@ void main() {
     if (weights[i] > 0.0) variance += weights[i] * dot(colours[i] - mean, colours[i] - mean) / 3.0;
   // ρ shares the vertex's scale with clip space, so that ρ / w is the inverse depth.
   const float inverseDepth = inInverseDistance * gl_FragCoord.w;
-  outSurface = vec4(1.0 / max(inverseDepth, 0.0), tier, rank, extrapolation);
+  outSurface = vec4(1.0 / max(inverseDepth, 0.0), 0.0, rank, extrapolation);
   outWeights = weights;
   outConfidence = vec2(sqrt(variance), inUncertainty);
 }

@@ -7,4 +7,4 @@
 
 layout(location = 0) out vec4 outColour;
 
-void main() { outColour = vec4(mappedCellColour(), cells[inCell].alpha); }
+void main() { outColour = vec4(mappedCellColour(), kTier0Alpha); }

@@ -30,5 +30,5 @@ void main() {
     }
     discard;
   }
-  outColour = vec4(vec3(levels) / 255.0, cells[inCell].alpha - kPendingStep);
+  outColour = vec4(vec3(levels) / 255.0, kTier0Alpha - kPendingStep);
 }

@@ -16,5 +16,5 @@ layout(location = 0) out vec4 outColour;
 
 void main() {
   const vec3 colour = cellColour(uvec2(gl_FragCoord.xy) - origin, detail);
-  outColour = vec4(vec3(levelsOf(colour)) / 255.0, cells[inCell].alpha);
+  outColour = vec4(vec3(levelsOf(colour)) / 255.0, kTier0Alpha);
 }

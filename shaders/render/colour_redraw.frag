@@ -16,5 +16,5 @@ void main() {
   const uvec2 pixel = uvec2(gl_FragCoord.xy);
   const uvec3 entry = uint(kLevels) * cells[inCell].table + levelsOf(cellColour(pixel, 1.0));
   if (pixelState(texelFetch(before, ivec2(pixel), 0).a) != kPixelEmpty) discard;
-  outColour = vec4(mappedColour(tables[entry.r], tables[entry.g], tables[entry.b]), cells[inCell].alpha);
+  outColour = vec4(mappedColour(tables[entry.r], tables[entry.g], tables[entry.b]), kTier0Alpha);
 }

@@ -264,3 +264,7 @@ Pixel gatheredPixel() {
 }
 
 vec4 canvasColour(Pixel pixel) { return vec4(pixel.colour, (255.0 - 64.0 * float(pixel.tier)) / 255.0); }
+
+float canvasDepth(Pixel pixel) {
+  return c.depthFirst + c.depthSpan * clamp(1.0 - views[c.view].nearDistance * pixel.rho, 0.0, 1.0);
+}

@@ -11,5 +11,5 @@ void main() {
   const Pixel pixel = gatheredPixel();
   if (pixel.tier < 0) discard;
   outColour = canvasColour(pixel);
-  gl_FragDepth = c.depthFirst + c.depthSpan * clamp(1.0 - views[c.view].nearDistance * pixel.rho, 0.0, 1.0);
+  gl_FragDepth = canvasDepth(pixel);
 }

@@ -36,7 +36,6 @@ vec4 weightsHere() {
 
 // Of the members, each as much as its photograph is shown.
 vec3 weightsColour() {
-  if (constants.tier == 2u) return backdropColour();
   const vec4 weights = weightsHere();
   vec4 one = vec4(0.0);
   one[kBlending != kBlend ? ditherMember(weights, noise(uvec2(gl_FragCoord.xy))) : 0] = 1.0;
@@ -79,7 +78,7 @@ float agreement() {
 
 vec3 colourHere() {
   if (kOverlay == kOverlayWireframe) return edges();
-  if (kOverlay == kOverlayTiers) return tinted(tierColour(constants.tier), mappedCellColour());
+  if (kOverlay == kOverlayTiers) return tinted(tierColour(0u), mappedCellColour());
   if (kOverlay == kOverlayWeights) return tinted(weightsColour(), mappedCellColour());
   vec3 colour = constants.counted != 0u ? overlapStep() : vec3(0.0);
   // ρ shares the vertex's scale with clip space, so that ρ / w is the inverse depth.
@@ -92,4 +91,4 @@ vec3 colourHere() {
   return colour;
 }
 
-void main() { outColour = vec4(colourHere(), cells[inCell].alpha); }
+void main() { outColour = vec4(colourHere(), kTier0Alpha); }

@@ -18,6 +18,7 @@ IBR_CONSTANT int kNoiseSize = 64;
 IBR_CONSTANT uint kBlend = 0u;   // how colours become one: [T] eq. 6
 IBR_CONSTANT uint kDither = 1u;  // eq. 7
 IBR_CONSTANT uint kMixed = 2u;   // their mean
+IBR_CONSTANT float kTier0Alpha = 1.0f;  // of the canvas: (255 − 64·tier) / 255, and a cell's pixels are of tier 0
 #ifdef __cplusplus
 inline constexpr glm::uvec2 kDissolveOffset{29,
                                             17};  // into the noise, so that dissolving and dithering do not conspire
@@ -48,7 +49,6 @@ struct CellParameters {
   vec4 projection;  // clip x = projection.x·X − projection.y·Z, clip y = projection.z·Y − projection.w·Z
   uint unitRays;    // 1: the paper's morph, a_i = 1 and ρ = 0
   float detail;     // of the photographs: gradients are multiplied by it, kFinerDetail for as much as the picture shows
-  float alpha;      // tier code, (255 − 64·tier) / 255
   uint table;       // colour table
   float opacity;    // share of pixels that are drawn, chosen by blue noise
   uvec2 noise;      // added to the pixel that noise is looked up for: less than kNoiseSize

@@ -122,6 +122,11 @@ IBR_FUNCTION float gatherUncertainty(float consensus) {
   return kGatherUnsure * max(0.0f, 1.0f - consensus / kGatherSureConsensus);
 }
 
+/// One standard deviation of a surface's ρ; what was completed or filled may be anywhere.
+IBR_FUNCTION float gatherSigma(int tier, float inverseDepth) {
+  return (tier == 0 ? kGatherKnownShare : 1.0f) * inverseDepth;
+}
+
 /// Last channel of the vote's image, a whole number: 0 in holes. Completed: most of a surface's weight comes from depth
 /// that nobody confirmed. `consensus`: 0 to 1, is kept in 255 steps.
 IBR_FUNCTION float gatherCode(bool completed0, float consensus0, bool completed1, float consensus1) {

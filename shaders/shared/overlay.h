@@ -23,13 +23,12 @@ IBR_CONSTANT uint kOverlayOverlap = 6u;
 IBR_CONSTANT uint kOverlayAgreement = 7u;
 
 struct OverlayConstants {
-  uint firstIndex;        // of the step
+  uint firstIndex;        // of the cell
   uint firstFloat;        // of the mesh's vertices
   uint firstUncertainty;  // likewise
-  float rank;             // of the step's cell, 0 best
+  float rank;             // 0 best
   float ranks;            // how many there are
-  uint tier;
-  uint counted;  // 1: the step is one of those whose overlap is counted
+  uint counted;  // 1: the cell is one of those whose overlap is counted
 };
 
 /// A colour from dark (0) to light (1).
@@ -65,25 +64,21 @@ IBR_FUNCTION vec3 rankColour(float rank, float ranks) {
   return colour;
 }
 
-/// Tier 0 is grey, so that what stands out is what does not agree; a tier beyond 2 is a hole, whose colour covers it
-/// evenly.
+/// Tier 0 is grey, so that what stands out is what photographs do not agree on; a hole has the colour of tier 3,
+/// which covers it evenly.
 IBR_FUNCTION vec3 tierColour(uint tier) {
   if (tier == 0u) return vec3(1.0f);
-  if (tier == 1u) return vec3(0.835f, 0.369f, 0.0f);  // vermillion
   if (tier == 2u) return vec3(0.337f, 0.706f, 0.914f);  // sky blue
   return vec3(0.941f, 0.894f, 0.259f);  // yellow
 }
 
-/// Of a cell's member.
+/// Of a cell's member; of a gathered pixel's photographs, best first.
 IBR_FUNCTION vec3 memberColour(int member) {
   if (member == 0) return vec3(0.0f, 0.447f, 0.698f);  // blue
   if (member == 1) return vec3(0.941f, 0.894f, 0.259f);  // yellow
   if (member == 2) return vec3(0.835f, 0.369f, 0.0f);  // vermillion
   return vec3(0.8f, 0.475f, 0.655f);  // reddish purple
 }
-
-/// Of a backdrop's photograph, which is nobody's member.
-IBR_FUNCTION vec3 backdropColour() { return vec3(0.8f); }
 
 // Uncertainty of depth, σ / ρ: light is certain. Equal steps are equal factors.
 IBR_CONSTANT float kLeastUncertainty = 0.001f;

@@ -58,9 +58,10 @@ std::vector<Look> looks() {
                         {"filled", {}},
                         {"stereo", {}, 11, 2},
                         {"gathered", {}, 11},
-                        {"gathered where cells leave holes", {}, 17, 2}};
+                        {"gathered where cells leave holes", {}, 17, 2},
+                        {"overlay of what is gathered", {}, 17}};
   for (Look& look : all) {
-    look.settings.lowestTier = kTierBackdrop;
+    look.settings.lowestTier = kTierCompleted;
     look.settings.switchSeconds = 0;
   }
   all[1].settings.colourMapping = ColourMapping::ours;
@@ -73,6 +74,8 @@ std::vector<Look> looks() {
   all[5].settings.blend = BlendMode::dither;
   all[7].settings.composition = Composition::gathered;
   all[8].settings.composition = Composition::hybrid;
+  all[9].settings.composition = Composition::gathered;
+  all[9].settings.overlay = Overlay::tiers;
   return all;
 }
 

@@ -98,11 +98,9 @@ MUTANTS = [
              "cells_->drawStep(commands, layout_.get(), step, cells_->firstParameter(Order::current, 0) + s);")],
            "ibr_test_reference", "*eye*"),
     Mutant("an order of cells for each eye",
-           [("libibr/src/render/passes/steps.cpp", "  for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b)\n"
-             "    if (shown[b] < 1) addBackdrop(kTierAgrees, b, 1);",
-             "  if (view == 1 && steps.count > 1) std::swap(steps.step[0], steps.step[1]);\n"
-             "  for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b)\n"
-             "    if (shown[b] < 1) addBackdrop(kTierAgrees, b, 1);")],
+           [("libibr/src/render/passes/steps.cpp", "mayHide && cell.hidden};\n  });\n",
+             "mayHide && cell.hidden};\n  });\n"
+             "  if (view == 1 && steps.count > 1) std::swap(steps.step[0], steps.step[1]);\n")],
            "ibr_test_reference", "*eye*"),
     Mutant("photographs are turned the wrong way",
            [("libibr/src/io/image_file.cpp",
@@ -127,7 +125,7 @@ MUTANTS = [
            [("libibr/src/gpu/device/memory.cpp", "  check(result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != "
              "VK_ERROR_OUT_OF_HOST_MEMORY, ErrorCode::outOfMemory,",
              "  check(true, ErrorCode::outOfMemory,"),
-            ("libibr/src/gpu/device/memory.cpp", '  vk(result, "vkAllocateMemory");\n', "")],
+            ("libibr/src/gpu/device/memory.cpp", '  vk(device, result, "vkAllocateMemory");\n', "")],
            "ibr_test_gpu"),
     Mutant("numbers are read as the locale has them",
            [("libibr/src/base/parse.cpp", "  const auto value = parseWhole<double>(text);",
@@ -137,6 +135,21 @@ MUTANTS = [
             ("libibr/src/base/parse.cpp", "#include <cmath>\n", "#include <cmath>\n#include <cstdlib>\n#include "
              "<string>\n")],
            "ibr_test_unit_base", "*locale*,*parse*,*number*"),
+    Mutant("triangles that a filter rejected are drawn",
+           [("libibr/src/render/resident/gpu_scene.cpp", "t < cell.mesh.tier0Count(); ++t)",
+             "t < cell.mesh.triangles.size(); ++t)")],
+           "ibr_test_reference", "*rejected*,*overlay*"),
+    Mutant("an overlay shows completed depth as confirmed",
+           [("shaders/render/gather_overlay.frag", "tierColour(uint(pixel.tier))", "tierColour(0u)")],
+           "ibr_test_reference", "overlays of a gathered*"),
+    Mutant("an overlay's shares are of other photographs",
+           [("shaders/render/gather_overlay.frag", "pixel.shares[i] * memberColour(i)",
+             "pixel.shares[i] * memberColour(3 - i)")],
+           "ibr_test_reference", "overlays of a gathered*"),
+    Mutant("an overlay of what is gathered has no depth",
+           [("shaders/render/gather_overlay.frag", "gl_FragDepth = canvasDepth(pixel);",
+             "gl_FragDepth = c.depthFirst;")],
+           "ibr_test_reference", "gather pass: depth*"),
     # Of the vote and the gather.
     *(Mutant(name, [("shaders/render/" + file, old, new)], "ibr_test_reference", "gather pass*") for name, file, old, new in (
         ("a photograph's place has the wrong sign", "gather.glsl", "direction = turned + rho * shift;",
@@ -162,7 +175,7 @@ MUTANTS = [
          "/ (1.0 + gathered.variance / (kGatherColourSpread * kGatherColourSpread))", "/ 1.0"),
         ("the first surface hides nothing", "gather.glsl", "    behind *= 1.0 - opacity;\n", ""),
         ("the last surface shows in part", "gather.glsl", "l + 1 == s.count ? 1.0 : s.opacity", "s.opacity"),
-        ("masks are not read", "gather.glsl", "sight.weight *= maskShare", "maskShare"),
+        ("masks are not read", "gather.glsl", "sight.weight *= maskOf", "maskOf"),
         ("gains are not applied", "gather.glsl", "if (kExposed)", "if (kExposed && false)"),
         ("holes are filled in steps", "gather.glsl", "const vec2 t = half_ - vec2(corner);", "const vec2 t = vec2(0.0);"),
         ("a panorama's depth is along an axis", "gather.glsl", "here = rho / distance;", "here = rho;"),

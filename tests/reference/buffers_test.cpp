@@ -52,10 +52,10 @@ class Recorder {
   Renderer renderer_;
 };
 
-// Two cells and backdrops, made once: that takes longer than a picture.
+// Two cells, made once: that takes longer than a picture.
 const SyntheticScene& richPlace() {
   static const SyntheticScene place = [] {
-    SyntheticScene made = twoCellsWithBackdrops();
+    SyntheticScene made = twoCells();
     for (std::size_t i = 0; i < made.photographs.size(); ++i)  // unlike one another, so that there is spread
       for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
     for (Cell& cell : made.scene.cells)
@@ -105,7 +105,7 @@ TEST_CASE("buffers are the twin's") {
         wrong[5] += std::abs(confidence[0] - known.spread) > tolerance;
       }
     CHECK(drawn > compared / 2);
-    CHECK(tiers == 0b101);  // this place rejects no triangle
+    CHECK(tiers == 1 << kTierAgrees);
     CHECK(ranks >= 0b11);
     for (const std::size_t count : wrong) CHECK(double(count) <= 1e-3 * double(compared));
   }

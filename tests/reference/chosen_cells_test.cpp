@@ -10,13 +10,12 @@ using namespace ibr::test;
 
 namespace {
 
-// Three cells, of which the better hide parts of the others, and backdrops.
+// Three cells, of which the better hide parts of the others.
 const SyntheticScene& threeCells() {
   static const SyntheticScene place = [] {
     SyntheticOptions options = test::place(4);
     options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}};
     SyntheticScene made = makeScene(options);
-    addBackdrops(made, options);
     for (std::size_t i = 0; i < made.photographs.size(); ++i)  // of several exposures
       for (std::uint8_t& value : made.photographs[i].values) value = std::uint8_t(value / 2 + 30 * i);
     return made;
@@ -24,13 +23,12 @@ const SyntheticScene& threeCells() {
   return place;
 }
 
-SyntheticScene without(std::vector<std::uint32_t> cells, bool backdrops = true) {
+SyntheticScene without(std::vector<std::uint32_t> cells) {
   SyntheticScene place = threeCells();
   std::erase_if(place.scene.cells, [&](const Cell& cell) {
     const Cell* all = place.scene.cells.data();
     return std::ranges::find(cells, std::uint32_t(&cell - all)) != cells.end();
   });
-  if (!backdrops) place.scene.backdrops.clear();
   return place;
 }
 
@@ -58,7 +56,7 @@ TEST_CASE("muting a cell shows what a scene without it shows") {
   }
 }
 
-TEST_CASE("cells drawn alone are a scene of these without backdrops") {
+TEST_CASE("cells drawn alone are a scene of these") {
   const Stage whole(testDevice(), threeCells());
   const RenderSettings settings = withTiers();
   const auto soloed = [&](std::vector<std::uint32_t> cells, std::vector<std::uint32_t> muted = {}) {
@@ -67,11 +65,9 @@ TEST_CASE("cells drawn alone are a scene of these without backdrops") {
     solo.mutedCells = std::move(muted);
     return whole.render(view(), solo);
   };
-  RenderSettings noBackdrops = settings;
-  noBackdrops.maxBackdrops = 0;
-  CHECK(soloed({2, 0, 1}) == whole.render(view(), noBackdrops));
-  CHECK_FALSE(soloed({2, 0, 1}) == whole.render(view(), settings));
-  CHECK(soloed({1}) == Stage(testDevice(), without({0, 2}, false)).render(view(), settings));
+  CHECK(soloed({2, 0, 1}) == whole.render(view(), settings));
+  CHECK_FALSE(soloed({1}) == whole.render(view(), settings));
+  CHECK(soloed({1}) == Stage(testDevice(), without({0, 2})).render(view(), settings));
   CHECK(soloed({0, 1}, {0}) == soloed({1}));
   const Image8 nothing = soloed({99});
   CHECK(std::ranges::all_of(nothing.values, [](std::uint8_t v) { return v == 0; }));

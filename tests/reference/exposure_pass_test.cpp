@@ -55,9 +55,9 @@ TEST_CASE("photographs with gains show what the twin computes") {
   }
 }
 
-TEST_CASE("backdrops and what comes from one photograph have their gains too") {
-  SyntheticScene made = withGains(twoCellsWithBackdrops());
-  for (Cell& cell : made.scene.cells) {
+TEST_CASE("photographs of several cells have their gains too") {
+  SyntheticScene made = withGains(twoCells());
+  for (Cell& cell : made.scene.cells) {  // holes, through which the second shows
     MorphMesh& mesh = cell.mesh;
     for (std::size_t t = mesh.triangles.size() * 2 / 3; t < mesh.triangles.size(); ++t) mesh.tier[t] = kTierRejected;
   }

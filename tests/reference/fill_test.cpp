@@ -84,7 +84,7 @@ TEST_CASE("what is hidden is filled with nothing and gives nothing to what is fi
     const FramePlan plan = stage.plan(view, settings);
     return offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, offscreen.target()); });
   };
-  const Image8 empty = rendered(kTierBackdrop), picture = rendered(kTierFilled);
+  const Image8 empty = rendered(kTierCompleted), picture = rendered(kTierFilled);
   const FillLevel<glm::dvec3> twin = filled(empty);
   int wrong = 0, holes = 0;
   for (int y = 0; y < picture.height; ++y)

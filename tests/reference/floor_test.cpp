@@ -68,7 +68,7 @@ TEST_CASE("the floor is a grid at its height, filtered, faded, and the same from
 TEST_CASE("the floor is drawn where nothing was photographed, over background and fill, and only when asked for") {
   const Stage stage(testDevice(), makeScene(place(2)));
   const Camera view = cameraAt({0.4, 0.1, 0}, 0, -0.3);
-  for (const int tiers : {int(kTierBackdrop), int(kTierFilled)}) {
+  for (const int tiers : {int(kTierCompleted), int(kTierFilled)}) {
     RenderSettings settings = withTiers();
     settings.lowestTier = tiers;
     settings.background = {0.1f, 0.2f, 0.1f};

@@ -10,8 +10,7 @@
 #include "gpu/transfer/readback.h"
 #include "gpu/transfer/submit.h"
 #include "ibr/metrics.h"
-#include "image/half_float.h"
-#include "reference/gather_stage.h"
+#include "reference/gather_device.h"
 #include "shared/gather.h"
 #include "support/error_of.h"
 #include "support/gpu.h"
@@ -29,85 +28,6 @@ constexpr double kMostOtherDepth = 0.01;
 
 const Camera kBeside = cameraAt({1.6, 0.2, 0.2}, 0.3, -0.03, 144, 108);  // a quarter of a radian from the photographs
 const Camera kBetween = cameraAt({0.22, 0.17, 0.06}, 0.02, -0.01, 144, 108);
-
-VkExtent2D extentOf(const Camera& view) {
-  return {std::uint32_t(view.intrinsics.width), std::uint32_t(view.intrinsics.height)};
-}
-
-Texture depthTextureOf(const ImageF& depth) {
-  Texture texture;
-  texture.format = TextureFormat::rg16f;
-  texture.width = depth.width;
-  texture.height = depth.height;
-  std::vector<std::byte>& bytes = texture.levels.emplace_back(2 * depth.values.size());
-  for (std::size_t i = 0; i < depth.values.size(); ++i) {
-    const std::uint16_t half = toHalf(depth.values[i]);
-    std::memcpy(&bytes[2 * i], &half, sizeof half);
-  }
-  return texture;
-}
-
-// A generated scene on the test device.
-class OnDevice {
- public:
-  explicit OnDevice(const GatherStage& stage, std::uint64_t budget = 0, TextureFormat format = TextureFormat::rgba8)
-      : stage_(stage), gpuScene_(testDevice(), stage.made.scene, options(budget, format)) {}
-
-  GpuScene& gpuScene() { return gpuScene_; }
-  GpuScene::Memory memory() const { return gpuScene_.memory(); }
-  Renderer renderer(const FramePlan& plan, RendererOptions wanted) const {
-    for (const Camera& view : plan.views) {
-      wanted.largest.width = std::max(wanted.largest.width, extentOf(view).width);
-      wanted.largest.height = std::max(wanted.largest.height, extentOf(view).height);
-    }
-    wanted.views = std::uint32_t(plan.views.size());
-    return Renderer(testDevice(), gpuScene_, wanted);
-  }
-  // Without filling: the reference implementation leaves empty what no photograph sees.
-  Renderer renderer(const FramePlan& plan) const {
-    RendererOptions wanted = optionsFor(plan.settings, {1, 1});
-    wanted.fill = false;
-    return renderer(plan, wanted);
-  }
-
-  std::vector<Image8> render(const FramePlan& plan, const Renderer& renderer) const {
-    std::vector<Offscreen> offscreens;
-    std::vector<Target> targets;
-    for (const Camera& view : plan.views)
-      targets.push_back(offscreens.emplace_back(testDevice(), extentOf(view)).target());
-    std::vector<Image8> images;
-    for (Offscreen& offscreen : offscreens)
-      images.push_back(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, targets); }));
-    return images;
-  }
-  std::vector<Image8> render(const FramePlan& plan) const { return render(plan, renderer(plan)); }
-  Image8 image(const FramePlan& plan) const { return render(plan).front(); }
-
-  FrameBuffers buffers(const FramePlan& plan) const {
-    RendererOptions wanted = optionsFor(plan.settings, {1, 1});
-    wanted.buffers = &stage_.made.scene;
-    const Renderer renderer = this->renderer(plan, wanted);
-    OffscreenBuffers offscreen(testDevice(), extentOf(plan.views[0]));
-    return offscreen.render(
-        [&](VkCommandBuffer commands) { renderer.recordBuffers(commands, plan, 0, offscreen.targets()); });
-  }
-
- private:
-  Texture encoded(std::size_t node, TextureFormat format) const {
-    return format == TextureFormat::rgba8 ? Texture(stage_.textures[node])
-                                          : encodeTexture(stage_.textures[node], format);
-  }
-  GpuSceneOptions options(std::uint64_t budget, TextureFormat format) const {
-    return {.source = [this, format](const Scene&, std::size_t node,
-                                     int firstLevel) { return smallerLevels(encoded(node, format), firstLevel); },
-            .budgetBytes = budget,
-            .depthSource = [this](const Scene&, std::size_t node, int) { return depthTextureOf(stage_.depths[node]); },
-            .filter = stage_.filter};
-  }
-
-  const GatherStage& stage_;
-  GpuScene gpuScene_;
-};
 
 // The first channel of buffers, as compareGathered takes it.
 ImageF depthOf(const FrameBuffers& buffers) {
@@ -131,6 +51,15 @@ void checkAgainstReference(const GatherStage& stage, const OnDevice& device, con
 
 const GatherStage& wall() {
   static const GatherStage stage = gatherStage(wallOptions());
+  return stage;
+}
+// With one cell of its photographs.
+const GatherStage& wallWithCell() {
+  static const GatherStage stage = [] {
+    GatherStage made = wall();
+    addCell(made, wallOptions());
+    return made;
+  }();
   return stage;
 }
 const GatherStage& room() {
@@ -452,6 +381,7 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
   RendererOptions wanted = optionsFor(plan.settings, extent);
   wanted.fill = false;
   wanted.depth = true;
+  wanted.overlays = {Overlay::tiers};
   const Renderer renderer = device.renderer(plan, wanted);
   Offscreen offscreen(testDevice(), extent);
   const GpuImage image(testDevice(),
@@ -462,10 +392,12 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
                        "caller's depth");
   Target target = offscreen.target();
   target.depth = DepthTarget{.image = image.get(), .view = image.view(), .nearPlane = 0.5};
+  const auto depthOfTarget = [&] {
+    return readImage(testDevice(), image.get(), extent, 4, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  };
   const Image8 picture = offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); });
   CHECK(picture == device.image(plan));  // depth changes no colour
-  const std::vector<std::byte> bytes =
-      readImage(testDevice(), image.get(), extent, 4, use::kDepthAttachment, VK_IMAGE_ASPECT_DEPTH_BIT);
+  const std::vector<std::byte> bytes = depthOfTarget();
   const reference::Composed twin = wall().compose(plan);
   std::size_t wrong = 0;
   for (std::size_t p = 0; p < twin.opaqueInverseDepth.values.size(); ++p) {
@@ -475,6 +407,9 @@ TEST_CASE("gather pass: depth of a target is that of the nearest surface that hi
     wrong += std::abs(rho - double(twin.opaqueInverseDepth.values[p])) > 1e-3;
   }
   CHECK(double(wrong) <= kMostOtherDepth * double(twin.opaqueInverseDepth.values.size()));
+  plan.settings.overlay = Overlay::tiers;
+  CHECK(offscreen.render([&](VkCommandBuffer commands) { renderer.record(commands, plan, target); }) != picture);
+  CHECK(depthOfTarget() == bytes);
 }
 
 TEST_CASE("gather pass: nothing is drawn in a hidden area, and the rest is as without it") {
@@ -526,22 +461,15 @@ TEST_CASE("gather pass: a view that moves by a thousandth of the spacing changes
   CHECK(largest <= 8);
 }
 
-TEST_CASE("gather pass: a hybrid shows tier 0 of the cells, and gathers the rest") {
-  SyntheticOptions options;
-  options.cameras = wallOptions().cameras;
-  options.planes = wallOptions().planes;
-  options.cells = {{0, 1, 2}};
-  options.gridStep = 8;
-  const SyntheticScene cells = makeScene(options);
-  GatherStage stage = gatherStage(wallOptions());
-  stage.made.scene.cells = cells.scene.cells;
-  const OnDevice device(stage);
-  const SceneBounds bounds = sceneBounds(stage.made.scene);
+TEST_CASE("gather pass: a hybrid shows the cells, and gathers the rest") {
+  const Scene& scene = wallWithCell().made.scene;
+  const OnDevice device(wallWithCell());
+  const SceneBounds bounds = sceneBounds(scene);
   RenderSettings settings = GatherStage::gatherSettings();
   const auto drawn = [&](Composition composition, int lowestTier) {
     settings.composition = composition;
     settings.lowestTier = lowestTier;
-    return device.image(planFrame(stage.made.scene, bounds, {{kBetween}, settings}));
+    return device.image(planFrame(scene, bounds, {{kBetween}, settings}));
   };
   const Image8 agreed = drawn(Composition::cells, kTierAgrees), gathered = drawn(Composition::gathered, kTierFilled),
                hybrid = drawn(Composition::hybrid, kTierFilled);
@@ -556,23 +484,35 @@ TEST_CASE("gather pass: a hybrid shows tier 0 of the cells, and gathers the rest
   CHECK(gatheredPixels > 100);
 }
 
-TEST_CASE("gather pass: overlays show the cells and backdrops, and a gathered plan has no backdrops") {
-  const Scene& scene = wall().made.scene;
+TEST_CASE("gather pass: overlaps are those of cells, for which nothing is gathered; other overlays are gathered") {
+  const Scene& scene = wallWithCell().made.scene;
   const SceneBounds bounds = sceneBounds(scene);
+  const OnDevice device(wallWithCell());
   RenderSettings settings = GatherStage::gatherSettings();
-  CHECK(planFrame(scene, bounds, {{kBetween}, settings}).backdrops.empty());
-  settings.overlay = Overlay::tiers;
-  const FramePlan shown = planFrame(scene, bounds, {{kBetween}, settings});
-  CHECK(shown.settings.composition == Composition::cells);
-  CHECK(shown.photographs.empty());
-  CHECK(!shown.backdrops.empty());
-  settings.composition = Composition::cells;
-  const OnDevice device(wall());
-  CHECK(device.image(shown) == device.image(planFrame(scene, bounds, {{kBetween}, settings})));
+  for (const Composition composition : {Composition::gathered, Composition::hybrid}) {
+    settings.composition = composition;
+    for (const Overlay overlay : {Overlay::wireframe, Overlay::tiers, Overlay::weights, Overlay::confidence,
+                                  Overlay::depth, Overlay::agreement}) {
+      settings.overlay = overlay;
+      const FramePlan plan = planFrame(scene, bounds, {{kBetween}, settings});
+      CHECK(plan.settings.composition == composition);
+      CHECK(!plan.photographs.empty());
+    }
+    settings.overlay = Overlay::overlap;
+    const FramePlan shown = planFrame(scene, bounds, {{kBetween}, settings});
+    CHECK(shown.settings.composition == Composition::cells);
+    CHECK(shown.photographs.empty());
+    settings.composition = Composition::cells;
+    const Image8 picture = device.image(shown);
+    CHECK(picture == device.image(planFrame(scene, bounds, {{kBetween}, settings})));
+    std::size_t counted = 0;
+    for (std::size_t p = 0; p < picture.values.size(); p += 4) counted += picture.values[p + 3] == 255;
+    CHECK(counted > 1000);
+  }
 }
 
 TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
-  GatherStage stage = gatherStage(wallOptions());
+  GatherStage stage = wallWithCell();
   for (Cell& backdrop : stage.made.scene.backdrops) {
     backdrop.mesh.confirmations.clear();
     backdrop.mesh.consensus.clear();
@@ -584,7 +524,11 @@ TEST_CASE("gather pass: a scene without evidence is drawn by its cells") {
   settings.composition = Composition::cells;
   const OnDevice device(stage);
   const FramePlan cells = planFrame(stage.made.scene, sceneBounds(stage.made.scene), {{kBetween}, settings});
-  CHECK(device.image(plan) == device.image(cells));
+  const Image8 picture = device.image(plan);
+  CHECK(picture == device.image(cells));
+  std::size_t drawn = 0;
+  for (std::size_t p = 0; p < picture.values.size(); p += 4) drawn += picture.values[p + 3] == 255;
+  CHECK(drawn > 1000);
 }
 
 TEST_CASE("gather pass: settings that do not go with the gather are refused by name") {

@@ -87,8 +87,8 @@ struct GatherStage {
   reference::Composed compose(const Camera& view) const { return compose(plan(view)); }
 };
 
-/// The backdrop of a photograph: a grid over it, tier 0 where a triangle lies on one surface, tier 1 where it is
-/// stretched between two.
+/// The backdrop of a photograph: a grid over it, tier 0 where a triangle lies on one surface, tier 1 (never drawn)
+/// where it is stretched between two.
 inline Cell gatherBackdrop(const SyntheticScene& made, std::uint32_t node, const GatherOptions& options) {
   const Camera& camera = made.scene.nodes[node].camera;
   const Intrinsics& k = camera.intrinsics;
@@ -214,6 +214,16 @@ inline GatherStage gatherStage(const GatherOptions& options) {
     stage.textures.push_back(buildMips(made.photographs[n]));
   }
   return stage;
+}
+
+/// Adds an exact cell of all photographs, 2 to 4 pinholes.
+inline void addCell(GatherStage& stage, const GatherOptions& options) {
+  SyntheticOptions cells;
+  cells.cameras = options.cameras;
+  cells.planes = options.planes;
+  cells.gridStep = options.gridStep;
+  cells.samplesPerAxis = 1;
+  stage.made.scene.cells = makeScene(cells).scene.cells;
 }
 
 /// A slanted wall, and a box before it that shows its front, its left and its upper side.

@@ -181,7 +181,7 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
   const Composed alone = wall().compose(plan);
   const Image8 truth = truthOf(wall(), plan.views[0]);
   CHECK(shareOf(alone, kTierAgrees) > 0.85);
-  CHECK(shareOf(alone, kTierBackdrop) == 0);
+  CHECK(shareOf(alone, kTierCompleted) == 0);
   CHECK(shareOf(alone, kTierFilled) > 0.01);
   Image8 confirmed(160, 120, 1, 0);
   for (int y = 0; y < 120; ++y)
@@ -189,7 +189,7 @@ TEST_CASE("gathered: one photograph alone shows what it saw, and holes are fille
   CHECK(psnr(alone.picture, truth, confirmed) > 33);
 
   FramePlan few = plan;
-  few.settings.lowestTier = kTierBackdrop;
+  few.settings.lowestTier = kTierCompleted;
   const Composed unfilled = wall().compose(few);
   CHECK(shareOf(unfilled, kTierFilled) == 0);
   CHECK(shareOf(unfilled, -1) == Approx(shareOf(alone, kTierFilled) + shareOf(alone, -1)));
@@ -329,7 +329,7 @@ TEST_CASE("gathered: tiers tell confirmed, completed and filled depth") {
   options.evidence = [](std::size_t, glm::dvec2) { return Evidence{0, 0.1f}; };
   const GatherStage stage = gatherStage(options);
   CHECK(shareOf(stage.compose(kBetween), kTierAgrees) == 0);
-  CHECK(shareOf(stage.compose(kBetween), kTierBackdrop) > 0.9);
+  CHECK(shareOf(stage.compose(kBetween), kTierCompleted) > 0.9);
   CHECK(shareOf(wall().compose(kBetween), kTierAgrees) > 0.9);
 }
 

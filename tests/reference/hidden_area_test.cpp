@@ -121,7 +121,7 @@ Shown show(const Stage& stage, const FramePlan& plan, const Triangles& hidden, b
 
 // Made once: that takes longer than a picture.
 const SyntheticScene& shownPlace() {
-  static const SyntheticScene place = twoCellsWithBackdrops();
+  static const SyntheticScene place = twoCells();
   return place;
 }
 
@@ -260,7 +260,7 @@ TEST_CASE("everything or nothing or one view alone may be hidden, and what lies 
 TEST_CASE("a picture to be kept shows what lenses leave out, at any scale") {
   const Stage stage(testDevice(), shownPlace());
   for (const double scale : {1.0, 0.7})
-    for (const int tier : {kTierBackdrop, kTierFilled}) {
+    for (const int tier : {kTierCompleted, kTierFilled}) {
       const FramePlan plan = planned(with([&](auto& s) {
         s.leaveOutHidden = false;
         s.renderScale = scale;
@@ -276,8 +276,7 @@ TEST_CASE("one view alone may be planned; the paper's order pays no heed") {
   const Stage stage(testDevice(), shownPlace());
   const RenderSettings paper = with([](auto& s) {
     s.order = DrawOrder::paper;
-    s.maxBackdrops = 0;  // so that there are holes, which are filled
-    s.lowestTier = kTierFilled;
+    s.lowestTier = kTierFilled;  // there are holes
   });
   CHECK((show(stage, planned(paper), kMasks, true, {}).pictures == show(stage, planned(paper), {}, true, {}).pictures));
   FramePlan plan = planned(with([](auto&) {}));

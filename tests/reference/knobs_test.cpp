@@ -162,19 +162,16 @@ TEST_CASE("eyes share their colours, or each has its own") {
 TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
   for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware}) {
     double pixels = 0, vote = 0;
-    std::uint32_t cells = 0, photographs = 0;
-    int composition = -1;
+    std::uint32_t cells = 0, photographs = 0, colours = 0;
     for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference}) {
       const RenderSettings settings = preset(name, kind);
-      const int gathers = settings.composition == Composition::cells    ? 0
-                          : settings.composition == Composition::hybrid ? 1
-                                                                        : 2;
-      CHECK(gathers >= composition);
+      CHECK(settings.composition == Composition::hybrid);
       CHECK(settings.voteScale >= vote);
       CHECK(settings.gatherCandidates >= photographs);
-      composition = gathers;
+      CHECK(settings.gatherColours >= colours);
       vote = settings.voteScale;
       photographs = settings.gatherCandidates;
+      colours = settings.gatherColours;
       CHECK(settings.maxCells > cells);
       CHECK(settings.renderScale >= pixels);
       cells = settings.maxCells;
@@ -187,13 +184,9 @@ TEST_CASE("presets go from fast to accurate, and fit what they need", "[P11]") {
       CHECK(settings.exposure == Exposure::adapted);
       CHECK(settings.colourMapping == ColourMapping::off);
       CHECK(options.colour == ColourSupport::off);
-      CHECK(settings.lowestTier == (name == Preset::fast ? kTierBackdrop : kTierFilled));
-      CHECK(options.fill == (name != Preset::fast));
+      CHECK(settings.lowestTier == kTierFilled);
+      CHECK(options.fill);
     }
     CHECK(preset(Preset::balanced, kind).maxCells == RenderSettings{}.maxCells);
-    CHECK(preset(Preset::reference, kind).composition == Composition::hybrid);
   }
-  CHECK(preset(Preset::fast, DeviceKind::software).composition == Composition::cells);
-  CHECK(preset(Preset::balanced, DeviceKind::software).composition == Composition::hybrid);
-  CHECK(preset(Preset::fast, DeviceKind::hardware).composition == Composition::hybrid);
 }

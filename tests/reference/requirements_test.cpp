@@ -21,7 +21,7 @@ namespace {
 
 constexpr VkExtent2D kExtent{64, 48};
 constexpr std::uint64_t kPixels = 64 * 48;
-constexpr std::uint64_t kParameter = 316, kExposure = 96;  // bytes of a step's
+constexpr std::uint64_t kParameter = 312, kExposure = 96;  // bytes of a cell's
 constexpr std::uint64_t kLeaving = 16;                     // cells that may be drawn besides
 constexpr std::uint64_t kNoise = 64 * 64 * 4;
 
@@ -110,8 +110,8 @@ std::vector<Row> table() {
                   counters(1 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"the paper's order", pinholes({{0, 1, 2}}), paper, 1,
                   counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
-  rows.push_back({"two tiers", rejected, plain, 1,
-                  counters(2 + 1, 2, 3, 0, {canvas, 0, 0, 2 * (1 + kLeaving) * kParameter, kNoise})});
+  rows.push_back({"a rejected triangle", rejected, plain, 1,
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"filled", pinholes({{0, 1, 2}}), filled, 1,
                   counters(2 + 2 + 3, 2, 2, 2 * 6 - 1, {canvas, fill, 0, (1 + kLeaving) * kParameter, kNoise})});
   // Both cells in the order of now, and in that before a switch.
@@ -163,8 +163,7 @@ std::vector<Row> table() {
       {"a mask", masked, plain, 1, counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   rows.push_back({"aligned cells", pinholes({{0, 1, 2}, {0, 3}}), with([](auto& s) { s.alignCells = true; }), 1,
                   counters(2 * 2 + 2, 2, 3, 0, {2 * canvas, 0, 0, 2 * (2 + kLeaving) * kParameter, kNoise})});
-  // Each backdrop may be there twice while they change places, and four times before cells; one cell has no order that
-  // could be mixed.
+  // Backdrops without evidence are not drawn, nor gathered from.
   SyntheticOptions three = place(3);
   three.cells = {{0, 1, 2}};
   three.gridStep = 40;
@@ -172,24 +171,29 @@ std::vector<Row> table() {
   SyntheticScene behind = makeScene(three);
   addBackdrops(behind, three);
   rows.push_back({"backdrops of three photographs", behind, plain, 1,
-                  counters(2 + 2 + 1, 2, 2 + 3, 0, {canvas, 0, 0, (1 + kLeaving + 6 * 3) * kParameter, kNoise})});
+                  counters(2 + 1, 2, 2, 0, {canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise})});
   // The vote has half the sides: a tile of the atlas for each of twelve candidates, in ρ, evidence and depth; its
-  // surfaces, and their holes. Photographs gathered from draw no backdrops; where nothing else is drawn, no cells.
+  // surfaces, and their holes. Where all is gathered no cell is drawn.
   addEvidence(behind);
   const std::uint64_t voted = kPixels / 4, tiles = 12;
   const std::uint64_t gather =
       sizeof(shader::GatherView) + tiles * (8 + 4) * voted + 16 * voted + 8 * (16 * 12 + 8 * 6 + 4 * 3 + 2 * 2 + 1);
-  const auto gathered = [&](Composition composition, std::uint32_t cells) {
-    Renderer::Counters::Bytes bytes{canvas, 0, 0, (1 + kLeaving + 6 * 3) * kParameter, kNoise};
+  const auto gathered = [&](std::string name, Composition composition, Overlay overlay, std::uint32_t cells) {
+    Renderer::Counters::Bytes bytes{canvas, 0, 0, (1 + kLeaving) * kParameter, kNoise};
     bytes.gather = gather;
-    return Row{
-        composition == Composition::gathered ? "gathered from three photographs" : "gathered where cells leave holes",
-        behind, with([&](auto& s) { s.composition = composition; }), 1,
-        // Depths of candidates, vote, gather, three of holes; a pass and three draws for the candidates.
-        counters(2 + 2 + 1 + 6, 1 + 2, 3 + 1 + cells + 1, 1 + (2 * 5 - 1), bytes)};
+    // An overlay has pipelines of its own for cells and for the gather.
+    const std::uint32_t overlays = overlay == Overlay::none ? 0 : 2 + 1;
+    return Row{std::move(name), behind, with([&](auto& s) {
+                 s.composition = composition;
+                 s.overlay = overlay;
+               }),
+               1,
+               // Depths of candidates, vote, gather, three of holes; a pass and three draws for the candidates.
+               counters(2 + 1 + 6 + overlays, 1 + 2, 3 + 1 + cells + 1, 1 + (2 * 5 - 1), bytes)};
   };
-  rows.push_back(gathered(Composition::gathered, 0));
-  rows.push_back(gathered(Composition::hybrid, 1));
+  rows.push_back(gathered("gathered from three photographs", Composition::gathered, Overlay::none, 0));
+  rows.push_back(gathered("gathered where cells leave holes", Composition::hybrid, Overlay::none, 1));
+  rows.push_back(gathered("tiers of what is gathered", Composition::gathered, Overlay::tiers, 0));
   rows.push_back({"no cell", SyntheticScene{}, plain, 1, counters(1, 2, 1, 0, {canvas, 0, 0, kParameter, 0})});
   return rows;
 }
@@ -279,16 +283,13 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   const Requirements r = requirementsOf(place.scene, options);
   CHECK((r.cells == 3 && r.cellsOf[2] == 1 && r.cellsOf[3] == 1 && r.cellsOf[4] == 1));
   CHECK((r.pinholes == 4 && r.panoramas == 0 && r.mixedCells == 0));
-  CHECK((r.rejected && r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
-  CHECK(r.steps == 2 * (3 + 16));
+  CHECK((r.colourTables && !r.colourSequence && r.switchMixing && r.depthOrder && !r.painters));
+  CHECK(r.steps == 3 + 16);
   CHECK_FALSE((r.multiview || !r.overlays.empty() || r.buffers || r.floor));
   Cell backdrop = place.scene.cells[0];
   for (std::uint8_t& tier : backdrop.mesh.tier) tier = kTierAgrees;
   place.scene.backdrops.assign(3, backdrop);
-  // Each twice while they change places, and twice as many copies before cells.
-  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 3 + 4 * 3);
-  place.scene.backdrops[1].mesh.tier.back() = kTierRejected;  // stretched: drawn after all that agree
-  CHECK(requirementsOf(place.scene, options).steps == 2 * (3 + 16) + 2 * 2 * 3 + 4 * 3);
+  CHECK(requirementsOf(place.scene, options).steps == 3 + 16);  // none of them is drawn
   place.scene.backdrops.clear();
   CHECK(requirementsOf(room(2).scene, options).mixedCells == 1);
   CHECK(requirementsOf(room(3).scene, options).panoramas == 3);
@@ -305,7 +306,6 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK_FALSE(runs("colour tables", requirementsOf(room(3).scene, options)));
   CHECK(runs("panorama coordinates", requirementsOf(room(3).scene, options)));
   CHECK_FALSE(runs("panorama coordinates", r));
-  CHECK(runs("tier 1, from one photograph", r));
   CHECK((r.fill && runs("filling", r)));
   place.scene.nodes[2].maskFile = "masks/2.png";  // what a mask leaves out is not filled
   const Requirements masked = requirementsOf(place.scene, options);
@@ -313,18 +313,13 @@ TEST_CASE("requirements are the scene's, and every part says why") {
   CHECK_FALSE((masked.fill || runs("filling", masked)));
 }
 
-TEST_CASE("cells and backdrops that are called hidden change no pixel") {
+TEST_CASE("cells that are called hidden change no pixel") {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}, {0, 3}, {0, 1, 3}};
   options.samplesPerAxis = 1;
   options.planes.resize(1);  // the wall alone: what lies around a board is covered by no mesh
   SyntheticScene made = makeScene(options);
-  addBackdrops(made, options);
   for (Cell& cell : made.scene.cells) cell.mesh.tier.back() = kTierRejected;
-  for (Cell& backdrop : made.scene.backdrops) {  // drawn after all that agrees in any of them
-    std::vector<std::uint8_t>& tier = backdrop.mesh.tier;
-    std::fill(tier.end() - std::ptrdiff_t(tier.size() / 10), tier.end(), kTierRejected);
-  }
   for (std::uint8_t& value : made.photographs[3].values) value = std::uint8_t(value * 3 / 4);
   const GpuScene scene = onDevice(made);
   std::size_t hidden = 0;
@@ -349,13 +344,9 @@ TEST_CASE("cells and backdrops that are called hidden change no pixel") {
           };
           const Image8 culled = picture();
           for (PlannedCell& cell : plan.cells) {
-            hidden += cell.hidden + cell.rejectedHidden;
-            cell.hidden = cell.rejectedHidden = false;
+            hidden += cell.hidden;
+            cell.hidden = false;
             cell.colourNeeded = true;
-          }
-          for (PlannedBackdrop& backdrop : plan.backdrops) {
-            hidden += backdrop.hidden;
-            backdrop.hidden = false;
           }
           CHECK(picture() == culled);
         }

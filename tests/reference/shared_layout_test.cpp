@@ -38,11 +38,10 @@ TEST_CASE("cell parameters lie in memory as the shader reads them") {
                                                      {"projection", offsetof(CellParameters, projection)},
                                                      {"unitRays", offsetof(CellParameters, unitRays)},
                                                      {"detail", offsetof(CellParameters, detail)},
-                                                     {"alpha", offsetof(CellParameters, alpha)},
                                                      {"table", offsetof(CellParameters, table)},
                                                      {"opacity", offsetof(CellParameters, opacity)},
                                                      {"noise", offsetof(CellParameters, noise)}});
-  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 60);
+  CHECK(sizeof(CellParameters) == 4 * sizeof(CellMember) + 56);
 }
 
 TEST_CASE("what the colour passes share lies in memory as their shaders read it") {

@@ -121,7 +121,7 @@ class Stage {
   Device* device_;
 };
 
-/// Backdrops as exact as the cells: each camera's own view of the planes, as a mesh of one member.
+/// Backdrops, which the gather can use with addEvidence: each camera's own view of the planes, exact.
 inline void addBackdrops(SyntheticScene& place, const SyntheticOptions& options) {
   for (std::uint32_t n = 0; n < place.scene.nodes.size(); ++n) {
     // A cell of the camera and one beside it, of which the first member's half is kept.
@@ -157,19 +157,17 @@ inline Texture farDepths(const Scene&, std::size_t, int) {
   return depthTexture({ImageF(4, 3, 1, 0.0f), ImageF(4, 3, 1, 0.9f)}, 16).texture;
 }
 
-/// Four cameras' place() as two cells over their backdrops.
-inline SyntheticScene twoCellsWithBackdrops() {
+/// Four cameras' place() as two cells.
+inline SyntheticScene twoCells() {
   SyntheticOptions options = place(4);
   options.cells = {{0, 1, 2}, {1, 2, 3}};
-  SyntheticScene made = makeScene(options);
-  addBackdrops(made, options);
-  return made;
+  return makeScene(options);
 }
 
 /// Settings under which alpha tells what was drawn, and what was not drawn stays empty.
 inline RenderSettings withTiers() {
   RenderSettings settings;
-  settings.lowestTier = kTierBackdrop;
+  settings.lowestTier = kTierCompleted;
   settings.alpha = AlphaContent::tier;
   return settings;
 }

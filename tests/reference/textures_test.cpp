@@ -203,12 +203,14 @@ TEST_CASE("where a photograph is magnified the bicubic filter is nearer to the t
 }
 
 TEST_CASE("what is allocated is what was predicted, but for alignment", "[P12][bc]") {
-  // The second scene shows three photographs of four, with one in two cells and in a backdrop.
+  // The second scene shows three photographs of four, with one in two cells and in a backdrop; a rejected triangle of
+  // it is not on the device.
   SyntheticOptions options = test::place(4);
   options.cells = {{0, 1}, {0, 2}};
   SyntheticScene some = makeScene(options);
   addBackdrops(some, options);
   some.scene.backdrops.resize(1);
+  some.scene.cells[1].mesh.tier.back() = kTierRejected;
   SyntheticScene large = makeScene(test::place(2));
   for (Node& node : large.scene.nodes) node.camera.intrinsics = resized(node.camera.intrinsics, 1000, 750);
   for (const Scene& scene : {makeScene(test::place(4)).scene, some.scene, large.scene})
@@ -252,16 +254,18 @@ TEST_CASE("T's equation 21, as corrected, by hand", "[T25]") {
   cell.members = {0, 1, 2};
   cell.mesh.inverseDistance.resize(5);
   cell.mesh.triangles.resize(7);
+  cell.mesh.tier = {0, 0, 0, 0, 0, 0, kTierRejected};
   scene.cells = {cell, cell};
   Cell backdrop;
   backdrop.members = {2};
   backdrop.mesh.inverseDistance.resize(3);
   backdrop.mesh.triangles.resize(1);
+  backdrop.mesh.tier = {kTierAgrees};
   scene.backdrops = {backdrop};
   using enum TextureFormat;
   const MemoryDemand demand = memoryDemand(scene, std::vector{rgba8, bc1, bc7, rgba8});
   CHECK(demand.positions == 2 * 5 * (3 * 3 + 1) * 4 + 3 * (3 + 1) * 4);
-  CHECK(demand.indices == (2 * 7 + 1) * 3 * 4);
+  CHECK(demand.indices == (2 * 6 + 1) * 3 * 4);
   // 8×4, 4×2, 2×1, 1×1: 43 pixels, or 2 + 1 + 1 + 1 blocks. The fourth photograph is in no cell.
   CHECK(demand.textures == 43 * 4 + 5 * 8 + 5 * 16);
 }

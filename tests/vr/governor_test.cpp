@@ -227,10 +227,10 @@ TEST_CASE("governor: decisions are lines for a log") {
   for (int i = 0; i < 809; ++i) govern(state, {6, 11.111, false});
   std::string line;
   for (int i = 0; i < 10 && line.empty(); ++i) line = govern(state, {10.4, 11.111, false}).reason;
-  CHECK(line == "frame 811: 10.4 ms of 11.1 ms: cells 12 → 8, backdrops 12 → 8");
+  CHECK(line == "frame 811: 10.4 ms of 11.1 ms: cells 12 → 8");
   for (int i = 0; i < 200 && line[0] == 'f' && state.level == 1; ++i)
     line = govern(state, {3, 11.111, false}).reason + "f";
-  CHECK(line == "frame 950: 3.0 ms of 11.1 ms: cells 8 → 12, backdrops 8 → 12f");
+  CHECK(line == "frame 950: 3.0 ms of 11.1 ms: cells 8 → 12f");
 }
 
 TEST_CASE("governor: too slow at the cheapest level is said once") {
@@ -291,7 +291,7 @@ TEST_CASE("governor: other settings keep the level as far as there is one") {
   const std::size_t last = state.levels.size() - 1;
   REQUIRE(state.level == last);
   RenderSettings few;
-  few.maxCells = few.maxBackdrops = 2;
+  few.maxCells = 2;
   const auto shorter = ladder(few);
   REQUIRE(shorter.size() <= last);
   changeLadder(state, shorter);
@@ -338,8 +338,7 @@ TEST_CASE("governor: what was excused, and the frame that comes late because of 
 TEST_CASE("governor: a line says what was measured, and that a frame was missed") {
   GovernorState state = fresh();
   for (int i = 0; i < 20; ++i) govern(state, {7.8, 11.111, false});
-  CHECK(govern(state, {7.9, 11.111, true}).reason ==
-        "frame 21: 7.9 ms of 11.1 ms, missed: cells 12 → 8, backdrops 12 → 8");
+  CHECK(govern(state, {7.9, 11.111, true}).reason == "frame 21: 7.9 ms of 11.1 ms, missed: cells 12 → 8");
   GovernorState unknown = fresh();
   std::string line;
   for (int i = 0; i < 10 && line.empty(); ++i) line = govern(unknown, {kNaN, 11.111, true}).reason;

@@ -17,7 +17,6 @@ int dearness(BlendMode mode) {
 // What may be changed, put back as it was asked for.
 RenderSettings elsewhere(RenderSettings level, const RenderSettings& asked) {
   level.maxCells = asked.maxCells;
-  level.maxBackdrops = asked.maxBackdrops;
   level.renderScale = asked.renderScale;
   level.blend = asked.blend;
   level.colourMapping = asked.colourMapping;
@@ -30,7 +29,6 @@ void checkFalls(const std::vector<RenderSettings>& levels) {
   for (std::size_t i = 1; i < levels.size(); ++i) {
     const RenderSettings &before = levels[i - 1], &after = levels[i];
     REQUIRE(after.maxCells <= before.maxCells);
-    REQUIRE(after.maxBackdrops <= before.maxBackdrops);
     REQUIRE(after.renderScale <= before.renderScale);
     REQUIRE(after.gatherCandidates <= before.gatherCandidates);
     REQUIRE(after.voteScale <= before.voteScale);
@@ -42,10 +40,11 @@ void checkFalls(const std::vector<RenderSettings>& levels) {
   }
 }
 
+// Of cells and photographs.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> counts(const std::vector<RenderSettings>& levels) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
   for (const RenderSettings& level : levels)
-    if (const std::pair count{level.maxCells, level.maxBackdrops}; all.empty() || all.back() != count)
+    if (const std::pair count{level.maxCells, level.gatherCandidates}; all.empty() || all.back() != count)
       all.push_back(count);
   return all;
 }
@@ -58,7 +57,6 @@ TEST_CASE("ladder: what is asked for first, then each level cheaper by one thing
   for (int i = 0; i < 500; ++i) {
     RenderSettings asked;
     asked.maxCells = upTo(kLargestCellCount);
-    asked.maxBackdrops = upTo(kLargestBackdropCount);
     asked.renderScale = 0.3 + 0.1 * upTo(12);
     asked.blend = BlendMode(upTo(2));
     asked.colourMapping = ColourMapping(upTo(3));
@@ -85,10 +83,9 @@ TEST_CASE("ladder: of the defaults, by name") {
   std::vector<std::string> changes;
   const auto levels = ladder(asked);
   for (std::size_t i = 1; i < levels.size(); ++i) changes.push_back(levelChange(levels[i - 1], levels[i]));
-  CHECK(changes == std::vector<std::string>{
-                       "cells 12 → 8, backdrops 12 → 8", "cells 8 → 6, backdrops 8 → 6", "cells 6 → 4, backdrops 6 → 4",
-                       "resolution 1 → 0.85", "resolution 0.85 → 0.7", "blending blend → dither",
-                       "cells 4 → 2, backdrops 4 → 2", "resolution 0.7 → 0.5", "colour mapping ours → off"});
+  CHECK(changes == std::vector<std::string>{"cells 12 → 8", "cells 8 → 6", "cells 6 → 4", "resolution 1 → 0.85",
+                                            "resolution 0.85 → 0.7", "blending blend → dither", "cells 4 → 2",
+                                            "resolution 0.7 → 0.5", "colour mapping ours → off"});
   CHECK(levelChange(asked, asked).empty());
 }
 
@@ -114,16 +111,17 @@ TEST_CASE("ladder: where photographs are gathered from, a coarser vote first, th
 
 TEST_CASE("ladder: nothing that the scene or the settings do not show is left out") {
   RenderSettings asked;
-  asked.maxBackdrops = 64;
+  asked.gatherCandidates = 14;
   using Counts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-  CHECK(counts(ladder(asked, 5, 0)) == Counts{{12, 64}, {4, 64}, {2, 64}});
-  CHECK(counts(ladder(asked, 0, 0)) == Counts{{12, 64}});
-  CHECK(counts(ladder(asked, 2, 14)) == Counts{{12, 64}, {12, 12}, {12, 8}, {12, 6}, {12, 4}, {12, 2}});
-  asked.lowestTier = kTierRejected;
-  CHECK(counts(ladder(asked)) == Counts{{12, 64}, {8, 64}, {6, 64}, {4, 64}, {2, 64}});
-  asked.lowestTier = kTierBackdrop;
-  asked.soloCells = {1};
-  CHECK(counts(ladder(asked)) == Counts{{12, 64}, {8, 64}, {6, 64}, {4, 64}, {2, 64}});
+  CHECK(counts(ladder(asked)) == Counts{{12, 14}, {8, 14}, {6, 14}, {4, 14}, {2, 14}});
+  CHECK(counts(ladder(asked, 5, 14)) == Counts{{12, 14}, {4, 14}, {2, 14}});
+  CHECK(counts(ladder(asked, 0, 14)) == Counts{{12, 14}});
+  for (const Composition composition : {Composition::gathered, Composition::hybrid}) {
+    asked.composition = composition;
+    CHECK(counts(ladder(asked)) == Counts{{12, 14}, {12, 12}, {12, 8}, {12, 6}, {12, 4}, {12, 2}});
+    CHECK(counts(ladder(asked, 12, 5)) == Counts{{12, 14}, {12, 4}, {12, 2}});
+    CHECK(counts(ladder(asked, 12, 2)) == Counts{{12, 14}});
+  }
 }
 
 TEST_CASE("ladder: softer comes before grainy, grainy before holes") {

@@ -51,9 +51,7 @@ std::vector<WeightedPlan> plansOf(const BenchSubject& subject, const SceneBounds
 
 std::size_t triangleCount(const Scene& scene, const FramePlan& plan) {
   std::size_t count = 0;
-  for (const PlannedCell& cell : plan.cells)
-    count += plan.settings.lowestTier == kTierAgrees ? scene.cells[cell.cell].mesh.tier0Count()
-                                                     : scene.cells[cell.cell].mesh.triangles.size();
+  for (const PlannedCell& cell : plan.cells) count += scene.cells[cell.cell].mesh.tier0Count();
   return count;
 }
 

@@ -131,18 +131,18 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
       "Blend all triangles that look alike [consistency], or of a homographic match only those on one plane");
   app.add_flag_callback(
       "--no-backdrops", [&choices] { choices.build.backdrops = false; },
-      "Make no backdrops: where cells show nothing, holes stay");
+      "Make no meshes and textures of photographs' depth: views are drawn by cells alone");
   addChoice<DepthSearch>(app, "--depth", choices.build.depth,
                          {{"fast", DepthSearch::fast},
                           {"swept", DepthSearch::swept},
                           {"refined", DepthSearch::refined},
                           {"fine", DepthSearch::fine}},
-                         "How the depth of each photograph is found: fast takes that of its cells, the others match it "
-                         "against ten photographs, and cells have it too; refined mends that by slanted planes, fine "
-                         "in twice the sides [refined]");
+                         "How the depth of each photograph, and of the cells, is found: it is matched against ten "
+                         "photographs, fast in pictures of half the sides; refined mends it by slanted planes, fine in "
+                         "twice the sides [refined]");
   addChoice<int>(app, "--backdrop-spacing", choices.build.backdropSpacing,
                  {{"2", 2}, {"4", 4}, {"8", 8}, {"16", 16}, {"32", 32}},
-                 "Least distance of a backdrop's vertices in px of a picture of 512 px [2]");
+                 "Least distance of vertices of a photograph's depth in px of a picture of 512 px [2]");
   app.add_option(
          "--cache", choices.build.finishedCells,
          "Keep matched cells and depth in this folder: further builds, as with more photographs, match only what "

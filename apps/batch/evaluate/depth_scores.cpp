@@ -33,6 +33,23 @@ DepthScores depthScores(const ImageF& inverseDepth, const ImageF& truth, const D
   return {right / count, far / count, near / count};
 }
 
+DeviationScores deviationScores(const FrameBuffers& buffers, const ImageF& truth) {
+  assert(buffers.surface.width == truth.width && buffers.surface.height == truth.height);
+  double count = 0, one = 0, two = 0;
+  for (int y = 0; y < truth.height; ++y)
+    for (int x = 0; x < truth.width; ++x) {
+      const auto here = buffers.surface.pixel(x, y);
+      const double depth = double(truth.pixel(x, y)[0]);
+      if (!(depth > 0) || int(here[kTier]) != kTierAgrees || !isDrawn(here[kTier])) continue;
+      const double off = std::abs(1 / double(here[kDepth]) - 1 / depth),
+                   deviation = double(buffers.confidence.pixel(x, y)[kUncertainty]);
+      ++count;
+      one += off <= deviation;
+      two += off <= 2 * deviation;
+    }
+  return {one / count, two / count};
+}
+
 ImageF drawnInverseDepth(const FrameBuffers& buffers) {
   const ImageF& surface = buffers.surface;
   ImageF result(surface.width, surface.height, 1, -1.0f);
@@ -43,15 +60,12 @@ ImageF drawnInverseDepth(const FrameBuffers& buffers) {
 }
 
 double guessedShare(const FrameBuffers& buffers) {
-  constexpr float kCompleted =
-      0.5f;  // relative uncertainty: .05 where a backdrop's depth was matched, 1 where completed
   const ImageF& surface = buffers.surface;
   std::size_t guessed = 0;
   for (int y = 0; y < surface.height; ++y)
     for (int x = 0; x < surface.width; ++x) {
       const auto here = surface.pixel(x, y);
-      const float relative = here[kDepth] * buffers.confidence.pixel(x, y)[kUncertainty];  // NaN at infinity: unknown
-      guessed += !isDrawn(here[kTier]) || (int(here[kTier]) == kTierBackdrop && !(relative < kCompleted));
+      guessed += !isDrawn(here[kTier]) || int(here[kTier]) == kTierCompleted;
     }
   return double(guessed) / (double(surface.width) * surface.height);
 }

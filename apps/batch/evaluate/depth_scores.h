@@ -23,10 +23,17 @@ struct DepthScores {
 /// the sky. Precondition: one channel each, equal sizes.
 DepthScores depthScores(const ImageF& inverseDepth, const ImageF& truth, const DepthTolerance& tolerance);
 
+/// Shares of the confirmed pixels (tier 0) whose true inverse depth lies within one and two of their standard
+/// deviations from the one that was drawn; those are left out that are sky in the truth. NaN where none is left.
+struct DeviationScores {
+  double one, two;
+};
+DeviationScores deviationScores(const FrameBuffers& buffers, const ImageF& truth);
+
 /// Inverse depth that a renderer drew, negative where it drew nothing.
 ImageF drawnInverseDepth(const FrameBuffers& buffers);
 
-/// Share of the pixels whose depth was guessed: completed between matches (backdrops say so by their uncertainty),
+/// Share of the pixels whose depth was guessed: completed between matches (which their uncertainty says),
 /// filled in the view, or empty.
 double guessedShare(const FrameBuffers& buffers);
 

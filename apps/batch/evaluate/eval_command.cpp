@@ -104,10 +104,9 @@ const Command kEvalCommand{
         "ibr eval --leave-one-out photographs --model colmap/sparse/0 --every 3 -o compared",
     .details =
         "--truth DIR has images/ and a COLMAP model in sparse/ (or both in DIR). --leave-one-out builds a scene "
-        "without each photograph and renders its view; options of ibr build apply. With --depth fast, cells that do "
-        "not have the photograph are matched once for all views where points are the model's; else their depth "
-        "changes with what is left out, and tracks of our own do (--tracks own, and auto where the model has few). "
-        "With --refine-poses auto, what is left out takes no part in it; --refine-poses off --resect is what it "
+        "without each photograph and renders its view; options of ibr build apply. Depth is matched once for all "
+        "views where the photograph that is left out takes no part in it and points are the model's. With "
+        "--refine-poses auto, what is left out takes no part in it; --refine-poses off --resect is what it "
         "compares with. "
         "PSNR is on 8-bit values; holes count as black in PSNR, SSIM and FLIP and are left out of the 'covered' "
         "columns. What a mask of the truth covers (--masks) is left out of all of them. "

@@ -97,10 +97,10 @@ Evaluator::Evaluator(const Scene& scene, const std::vector<View>& views, const E
       renderer_(scene, views, options.gpuScene, rendererOptions(scene, options_), context) {
   if (wantsSimpleOnes(options)) baselines_.emplace(scene, BaselineOptions{.threads = context.options().threads});
   if (std::ranges::find(options.baselines, "gathered") == options.baselines.end()) return;
-  if (isGatherable(scene))
-    reference_.emplace(scene, context.options().threads);
-  else
-    gathered_.emplace(scene, context.options().threads);
+  check(isGatherable(scene), ErrorCode::invalidInput,
+        "{}: has no depth of its photographs, which the baseline gathered needs: build it again",
+        scene.folder.string());
+  reference_.emplace(scene, context.options().threads);
 }
 
 SceneRenderer::Picture Evaluator::render(const Camera& view, const RenderSettings& settings) {
@@ -156,7 +156,13 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
     outcome.scores.seamDeltaE = seam.deltaE;
     outcome.scores.deltaE = gainFreeDeltaE(ours.image, truth, coverOf(ours.image));
     outcome.scores.guessed = guessedShare(*ours.buffers);
-    measureDepth(view, drawnInverseDepth(*ours.buffers), outcome.scores);
+    const ImageF depth = truthOf(view);
+    measureDepth(view, drawnInverseDepth(*ours.buffers), depth, outcome.scores);
+    if (!depth.values.empty()) {
+      const DeviationScores deviations = deviationScores(*ours.buffers, depth);
+      outcome.scores.withinDeviation = deviations.one;
+      outcome.scores.withinTwoDeviations = deviations.two;
+    }
   }
   if (options_.seams) measureAlignment(view.camera, outcome.scores);
   if (!options_.pictures.empty()) write(options_.pictures, view, ours.image, truth);
@@ -174,31 +180,31 @@ ViewOutcome Evaluator::evaluate(const View& view, const Image8& truth, const Ima
 }
 
 Scores Evaluator::gathered(const View& view, const Image8& truth, const Image8& used) {
-  const Exposure exposure = options_.settings.exposure;
-  if (gathered_) {
-    const FramePlan plan = planFrame(scene_, bounds_, {{view.camera}, options_.settings});
-    gathered_->expose(exposure == Exposure::off ? std::nullopt : std::optional(plan.exposure));
-  }
   const auto begin = std::chrono::steady_clock::now();
-  const reference::Composed composed =
-      reference_ ? reference_->compose(view.camera, exposure) : gathered_->compose(view.camera);
+  const reference::Composed composed = reference_->compose(view.camera, options_.settings.exposure);
   Scores scores = score(composed.picture, truth, options_.fitGain, used);
   scores.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   scores.guessed = 1 - scores.coverageTier0;
   ImageF drawn = composed.inverseDepth;
   for (std::size_t p = 0; p < drawn.values.size(); ++p)
     if (composed.picture.values[4 * p + 3] == 0) drawn.values[p] = -1;
-  measureDepth(view, drawn, scores);
+  measureDepth(view, drawn, truthOf(view), scores);
   if (!options_.pictures.empty()) write(options_.pictures / "gathered", view, composed.picture, truth);
   return scores;
 }
 
-void Evaluator::measureDepth(const View& view, const ImageF& inverseDepth, Scores& scores) const {
-  if (options_.truthDepth.empty()) return;
-  const ImageF truth = truthDepth(options_.truthDepth, view.name, options_.depthUnit);
-  check(truth.width == inverseDepth.width && truth.height == inverseDepth.height, ErrorCode::invalidInput,
+ImageF Evaluator::truthOf(const View& view) const {
+  if (options_.truthDepth.empty()) return {};
+  ImageF truth = truthDepth(options_.truthDepth, view.name, options_.depthUnit);
+  const Intrinsics& k = view.camera.intrinsics;
+  check(truth.width == k.width && truth.height == k.height, ErrorCode::invalidInput,
         "{}: is {}×{} px, but the view {}×{}", pictureFile(options_.truthDepth, view.name).string(), truth.width,
-        truth.height, inverseDepth.width, inverseDepth.height);
+        truth.height, k.width, k.height);
+  return truth;
+}
+
+void Evaluator::measureDepth(const View& view, const ImageF& inverseDepth, const ImageF& truth, Scores& scores) const {
+  if (truth.values.empty()) return;
   const DepthScores depth = depthScores(inverseDepth, truth, {view.camera.intrinsics.fx, options_.depthBaseline});
   scores.rightDepth = depth.right;
   scores.tooFar = depth.tooFar;

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "batch/evaluate/gathered_views.h"
 #include "batch/evaluate/reference_views.h"
 #include "batch/evaluate/scores.h"
 #include "ibr/baselines.h"
@@ -35,7 +34,7 @@ struct EvaluationOptions {
 /// Names in JSON, which are also those of the folders of their pictures; and titles.
 inline constexpr std::array kBaselines{
     std::pair{"nearest", "nearest photograph"},           std::pair{"lumigraph", "unstructured lumigraph"},
-    std::pair{"crossFade", "cross-fade of one cell"},     std::pair{"paper", "the paper's morph and order, tier 0"},
+    std::pair{"crossFade", "cross-fade of one cell"},     std::pair{"paper", "the paper's morph and order"},
     std::pair{"paperOrder", "ours in the paper's order"}, std::pair{"gathered", "reference composer"}};
 
 /// What came of a view.
@@ -64,7 +63,9 @@ class Evaluator {
  private:
   SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
   SceneRenderer::Picture baseline(const std::string& name, const Camera& view);
-  void measureDepth(const View& view, const ImageF& inverseDepth, Scores& scores) const;
+  // Of a view, as it is; empty where it is not known.
+  ImageF truthOf(const View& view) const;
+  void measureDepth(const View& view, const ImageF& inverseDepth, const ImageF& truth, Scores& scores) const;
   Scores gathered(const View& view, const Image8& truth, const Image8& used);
   void measureAlignment(const Camera& view, Scores& scores) const;
   void write(const std::filesystem::path& folder, const View& view, const Image8& picture, const Image8& truth) const;
@@ -74,8 +75,7 @@ class Evaluator {
   EvaluationOptions options_;
   SceneRenderer renderer_;
   std::optional<Baselines> baselines_;
-  std::optional<ReferenceViews> reference_;  // of a scene whose photographs have evidence of their depth …
-  std::optional<GatheredViews> gathered_;    // … and of one without
+  std::optional<ReferenceViews> reference_;
   bool first_ = true;
 };
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ibr eval --leave-one-out`: a scene is built without each held-out photograph, its view rendered and compared.
 //
-//   1. cells are finished in one folder for all builds, under keys that say all that a cell depends on: those without
-//      the photograph are matched once (BuildOptions::finishedCells), where neither their points nor their depth change
-//      with it: tracks of our own do, and so does the depth of photographs (all but DepthSearch::fast)
+//   1. depths and cells are finished in one folder for all builds, under keys that say all that they depend on: what
+//      the photograph takes no part in is made once (BuildOptions::finishedCells); tracks of our own change with it
 //   2. where poses are refined, they are so without the photograph, too, which is then resected among them
 //   3. what came of a view is kept, under a key of all that it depends on: an interrupted run goes on
 #pragma once

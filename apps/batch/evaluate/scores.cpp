@@ -28,7 +28,6 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"flip", "FLIP", Shown::always, 4, &Scores::flip},
                                {"coverage", "coverage", Shown::always, 3, &Scores::coverage},
                                {"coverageTier0", "tier 0", Shown::always, 3, &Scores::coverageTier0},
-                               {"coverageTier1", "", Shown::never, 3, &Scores::coverageTier1},
                                {"coverageTier2", "", Shown::never, 3, &Scores::coverageTier2},
                                {"psnrCovered", "PSNR covered", Shown::always, 2, &Scores::psnrCovered},
                                {"ssimCovered", "SSIM covered", Shown::always, 4, &Scores::ssimCovered},
@@ -42,6 +41,8 @@ constexpr Figure kFigures[] = {{"psnr", "PSNR", Shown::always, 2, &Scores::psnr}
                                {"rightDepth", "", Shown::never, 3, &Scores::rightDepth},
                                {"tooFar", "", Shown::never, 3, &Scores::tooFar},
                                {"tooNear", "", Shown::never, 3, &Scores::tooNear},
+                               {"withinDeviation", "", Shown::never, 3, &Scores::withinDeviation},
+                               {"withinTwoDeviations", "", Shown::never, 3, &Scores::withinTwoDeviations},
                                {"seam", "", Shown::never, 3, &Scores::seam},
                                {"seamDeltaE", "", Shown::never, 3, &Scores::seamDeltaE},
                                {"deltaE", "", Shown::never, 3, &Scores::deltaE},
@@ -94,8 +95,7 @@ Scores scoreOfPart(const Image8& prediction, const Image8& truth, bool fitGain, 
   scores.flip = flipOfPart(prediction, truth, used, count / double(used.values.size()));
   scores.coverage = covered / count;
   scores.coverageTier0 = tiers[kTierAgrees] / count;
-  scores.coverageTier1 = tiers[kTierRejected] / count;
-  scores.coverageTier2 = tiers[kTierBackdrop] / count;
+  scores.coverageTier2 = tiers[kTierCompleted] / count;
   scores.psnrCovered = psnr(prediction, truth, cover);
   scores.ssimCovered = ssim(prediction, truth, cover);
   scoreDetail(prediction, truth, cover, scores);
@@ -123,8 +123,7 @@ Scores score(const Image8& prediction, const Image8& truth, bool fitGain, const 
   scores.flip = flip(prediction, truth);
   scores.coverage = double(std::ranges::count(mask.values, std::uint8_t(255))) / double(mask.values.size());
   scores.coverageTier0 = tiers[kTierAgrees];
-  scores.coverageTier1 = tiers[kTierRejected];
-  scores.coverageTier2 = tiers[kTierBackdrop];
+  scores.coverageTier2 = tiers[kTierCompleted];
   scores.psnrCovered = psnr(prediction, truth, mask);
   scores.ssimCovered = ssim(prediction, truth, mask);
   scores.msSsim = msSsim(prediction, truth);

@@ -13,14 +13,15 @@ namespace ibr::app {
 
 struct Scores {
   Scores();  // nothing measured
-  double psnr, ssim, flip, coverage, coverageTier0, coverageTier1, coverageTier2, psnrCovered, ssimCovered;
+  double psnr, ssim, flip, coverage, coverageTier0, coverageTier2, psnrCovered, ssimCovered;
   double psnrGain, psnrCoveredGain;        // after the gain of each channel that fits best
   double msSsim;                           // of the whole picture; with `used`: none
   double detailEnergy, detailCorrelation;  // of what is covered (ibr/metrics.h, Detail)
   double tornTiles;                        // ibr/metrics.h
   double guessed;                          // share of pixels whose depth was completed or filled, or that are empty
   double rightDepth, tooFar, tooNear;      // depth_scores.h
-  double seam, seamDeltaE, deltaE;         // colour_scores.h
+  double withinDeviation, withinTwoDeviations;  // likewise
+  double seam, seamDeltaE, deltaE;              // colour_scores.h
   double misaligned,
       misaligned95;  // px between what cells say of one place (render/plan/cell_alignment.h): median, 95 %
   double uncorrected, uncorrected95;  // likewise, had cells not been aligned

@@ -36,7 +36,7 @@ constexpr int kDifferenceGain = 4;
 
 constexpr std::size_t kHoldPeriod = 10;  // frames of the walk between two places where the camera is held still
 constexpr double kHoldStepSeconds = 1.0 / 30;
-// Longest time that plans are given to settle. Backdrops that leave, come and leave again do so one after the other, so
+// Longest time that plans are given to settle. Cells that leave, come and leave again do so one after the other, so
 // that fades take up to four switchSeconds.
 constexpr double kMaxSettleSwitches = 10, kMinSettleSeconds = 1;
 constexpr std::size_t kMinHeldFrames = 3, kMaxHeldFrames = 60;  // rendered and compared

@@ -96,7 +96,7 @@ void TradeoffMeasure::look(TradeoffRow& row) {
     figures.dispatches = counters.dispatches;
     figures.triangles = counters.triangles;
     figures.cells = plan.cells.size();
-    figures.backdrops = plan.backdrops.size();
+    figures.photographs = plan.photographs.size();
     if (way.views == 2) figures.eyes = stage_.eyes(way, view.camera);
     row.views.push_back(std::move(figures));
     row.pipelines = counters.pipelines;

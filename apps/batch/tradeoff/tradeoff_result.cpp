@@ -29,7 +29,7 @@ struct Count {
 };
 constexpr Count kCounts[] = {{"passes", &TradeoffView::passes},         {"draws", &TradeoffView::draws},
                              {"dispatches", &TradeoffView::dispatches}, {"triangles", &TradeoffView::triangles},
-                             {"cells", &TradeoffView::cells},           {"backdrops", &TradeoffView::backdrops}};
+                             {"cells", &TradeoffView::cells},           {"photographs", &TradeoffView::photographs}};
 
 struct EyeFigure {
   const char* name;

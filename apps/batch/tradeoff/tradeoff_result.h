@@ -35,7 +35,7 @@ struct TradeoffView {
   Likeness truth, reference;
   double holes = 0;        // share of the pixels
   std::string prediction;  // SHA-256 of width × height × RGBA bytes
-  std::uint64_t passes = 0, draws = 0, dispatches = 0, triangles = 0, cells = 0, backdrops = 0;
+  std::uint64_t passes = 0, draws = 0, dispatches = 0, triangles = 0, cells = 0, photographs = 0;
   std::optional<EyeAgreement> eyes;  // where there are two
 };
 

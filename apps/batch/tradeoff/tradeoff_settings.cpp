@@ -78,10 +78,9 @@ const std::vector<Knob>& knobs() {
       {"voteScale", "sides of the vote, of the picture's", Around::gathered,
        numbers<double>(&R::voteScale, {0.125, 0.25, 0.5, 1})},
       {"cells", "cells drawn at most", Around::cells, numbers<int>(&R::maxCells, {1, 2, 4, 8, 12, 16, 24, 64})},
-      {"backdrops", "backdrops drawn at most", Around::cells, numbers<int>(&R::maxBackdrops, {0, 4, 12, 24, 64})},
       {"extrapolation", "distance of cells at most, cell sizes", Around::cells,
        numbers<double>(&R::extrapolationLimit, {0, 0.5, 1, 2, 4})},
-      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::lowestTier, {0, 1, 2, 3})},
+      {"tiers", "lowest tier drawn", Around::usual, numbers<int>(&R::lowestTier, {0, 2, 3})},
       {"renderScale", "sides of what is drawn, of the picture's", Around::usual,
        numbers<double>(&R::renderScale, {0.5, 0.7, 1, 1.5, 2})},
       {"blend", "how members' colours become one", Around::cells,
@@ -185,7 +184,7 @@ class Settings {
         for (const double scale : {0.5, 0.7, 0.85, 1.0, 1.5}) {
           TradeoffWay way = made_.all[kDefaultSetting].way;
           way.settings.composition = Composition::cells;
-          way.settings.maxCells = way.settings.maxBackdrops = std::uint32_t(cells);
+          way.settings.maxCells = std::uint32_t(cells);
           way.settings.extrapolationLimit = extrapolation;
           way.settings.renderScale = scale;
           addCombination(way, fmt::format("cells {} reach {:g} scale {:g}", cells, extrapolation, scale));

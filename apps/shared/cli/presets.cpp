@@ -20,7 +20,7 @@ std::string valueOf(const CLI::App& app, const char* option) {
 
 bool asksForCells(const CLI::App& app) {
   return valueOf(app, "--order") == "paper" || valueOf(app, "--colour").starts_with("paper") ||
-         !valueOf(app, "--backdrops").empty() || !valueOf(app, "--solo").empty();
+         !valueOf(app, "--solo").empty();
 }
 
 // A word of --preset: with the kind of a device, or without.

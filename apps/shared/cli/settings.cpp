@@ -37,9 +37,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
   addChoice<Composition>(
       app, "--composition", settings.composition,
       {{"cells", Composition::cells}, {"gathered", Composition::gathered}, {"hybrid", Composition::hybrid}},
-      "Morphing cells and backdrops; every pixel gathered from the photographs that saw it; or cells "
-      "where all members agree and the rest gathered [as --preset; cells with the paper's --order or --colour, "
-      "--backdrops, --solo]");
+      "Morphing cells alone; every pixel gathered from the photographs that saw it; or cells where all members agree "
+      "and the rest gathered [as --preset; cells with the paper's --order or --colour, --solo]");
   addCount<std::uint32_t>(app, "--photographs", settings.gatherCandidates, 1, kMaxGatherCandidates,
                           "Gather from at most N photographs a frame");
   addCount<std::uint32_t>(app, "--colours", settings.gatherColours, 1, kMaxGatherColours,
@@ -49,8 +48,8 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
   addDouble(app, "--vote-scale", settings.voteScale, 0.05, 1,
             "Photographs vote for depth in an image whose sides are X of the drawn one's; 0.25 with balanced-software");
   addInt(app, "--tiers", settings.lowestTier, kTierAgrees, kTierFilled,
-         "Draw tiers 0 to N: 0 agrees in all photographs, 1 was rejected by a filter, 2 is a photograph's backdrop, 3 "
-         "fills holes from around, unless photographs have masks");
+         "Draw tiers 0 to N: 0 is what photographs agree on, 2 also gathered pixels whose depth no second photograph "
+         "confirms, 3 fills holes from around, unless photographs have masks");
   addChoice<Morph>(app, "--morph", settings.morph, {{"ours", Morph::ours}, {"paper", Morph::paper}},
                    "Where vertices are seen: by inverse distances, or by the paper's equation 4 [ours]");
   addChoice<bool>(app, "--align", settings.alignCells, {{"on", true}, {"off", false}},
@@ -67,8 +66,6 @@ void declarePictureSettings(CLI::App& app, RenderSettings& settings, const std::
             "Show X of the photographs' detail: 0.5 takes the textures that are half as large");
   addDouble(app, "--render-scale", settings.renderScale, 0.05, 4,
             "Draw cells in a picture whose sides are X of the result's, and scale it");
-  addCount<std::uint32_t>(app, "--backdrops", settings.maxBackdrops, 0, kLargestBackdropCount,
-                          "Draw at most N backdrops");
   addChoice<bool>(app, "--eye-colours", settings.shareEyeColours, {{"shared", true}, {"own", false}},
                   "Two views: one colour table for both, or each its own [shared]");
   addChoice<Exposure>(
@@ -123,7 +120,7 @@ void declareOverlays(CLI::App& app, RenderSettings& settings) {
         ->type_name("N,N…");
   };
   cells("--mute", settings.mutedCells, "Never draw these cells");
-  cells("--solo", settings.soloCells, "Draw these cells alone, without backdrops");
+  cells("--solo", settings.soloCells, "Draw these cells alone");
 }
 
 bool overlaysGoWith(const RenderSettings& settings) {
@@ -200,7 +197,6 @@ nlohmann::ordered_json optionsJson(const RenderSettings& settings) {
           {"layers", settings.gatherLayers},
           {"voteScale", settings.voteScale},
           {"cells", settings.maxCells},
-          {"backdrops", settings.maxBackdrops},
           {"tiers", settings.lowestTier},
           {"morph", settings.morph == Morph::ours ? "ours" : "paper"},
           {"align", settings.alignCells ? "on" : "off"},

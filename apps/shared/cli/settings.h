@@ -15,7 +15,7 @@ namespace ibr::app {
 
 /// Declares all of them. `settings` becomes `defaults`; without them, when options have been read, the preset balanced
 /// of the device that --device names, which is cells where an option asks for what is theirs alone (the paper's ways,
-/// --backdrops, --solo).
+/// --solo).
 void declareSettings(CLI::App& app, RenderSettings& settings, const std::optional<RenderSettings>& defaults = {});
 
 /// The same without --cells, --order and --colour, for a command that tries several of each.
@@ -62,7 +62,7 @@ struct OverlayWord {
 inline constexpr std::array kOverlays{
     OverlayWord{Overlay::none, "none", "the picture alone"},
     OverlayWord{Overlay::wireframe, "wireframe", "edges of the triangles, the better their cell's rank the lighter"},
-    OverlayWord{Overlay::tiers, "tiers", "what agrees, what comes from one photograph or a backdrop, holes"},
+    OverlayWord{Overlay::tiers, "tiers", "what photographs agree on, what was completed, holes"},
     OverlayWord{Overlay::weights, "weights", "which photographs of a cell the picture comes from"},
     OverlayWord{Overlay::confidence, "confidence", "how certain the depth is"},
     OverlayWord{Overlay::depth, "depth", "how far away it is"},

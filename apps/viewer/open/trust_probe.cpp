@@ -19,6 +19,9 @@ RendererOptions optionsFor(const Scene& scene) {
   options.formats = {VK_FORMAT_R8G8B8A8_UNORM};
   options.orders = {DrawOrder::ours};
   options.blends = {BlendMode::blend};
+  options.compositions = {Composition::cells, Composition::hybrid, Composition::gathered};
+  options.gatherCandidates = kMaxGatherCandidates;
+  options.voteScale = 1;
   options.buffers = &scene;
   return options;
 }
@@ -46,12 +49,11 @@ Probe::Probe(Device& device, const Scene& scene, const SceneBounds& bounds, cons
     : scene_(scene), bounds_(bounds), device_(device), renderer_(device, gpuScene, optionsFor(scene)) {}
 
 FramePlan Probe::planOf(const Camera& view, RenderSettings settings) const {
-  settings.composition = Composition::cells;
   settings.order = DrawOrder::ours;
   settings.blend = BlendMode::blend;
   settings.colourMapping = ColourMapping::off;
   settings.switchSeconds = settings.fadeShare = 0;
-  settings.renderScale = 1;
+  settings.renderScale = settings.voteScale = 1;
   settings.floor.reset();
   settings.overlay = Overlay::none;
   return planFrame(scene_, bounds_, {{view}, settings, 0});

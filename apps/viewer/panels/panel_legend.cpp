@@ -50,10 +50,9 @@ void wireframe(const FramePlan& plan) {
 }
 
 void tiers() {
-  named(shader::tierColour(kTierAgrees), "agrees in all photographs");
-  named(shader::tierColour(kTierRejected), "does not: from one photograph");
-  named(shader::tierColour(kTierBackdrop), "backdrop, from one photograph");
-  named(shader::tierColour(kTierFilled), "hole");
+  named(shader::tierColour(kTierAgrees), "photographs agree on its depth");
+  named(shader::tierColour(kTierCompleted), "its depth was completed");
+  named(shader::tierColour(kTierFilled), "filled, or a hole");
 }
 
 void weights(const Scene& scene, const FramePlan& plan) {
@@ -64,7 +63,8 @@ void weights(const Scene& scene, const FramePlan& plan) {
       named(shader::memberColour(int(i)),
             fmt::format("{:3.0f} %  {}", 100 * plan.cells[0].view[0].blend[i], scene.nodes[members[i]].name));
   }
-  named(shader::backdropColour(), "backdrop");
+  if (!plan.photographs.empty()) ImGui::TextUnformatted("gathered, best photograph first:");
+  for (int i = 0; i < 4 && !plan.photographs.empty(); ++i) named(shader::memberColour(i), fmt::format("{}", i + 1));
 }
 
 void confidence() {

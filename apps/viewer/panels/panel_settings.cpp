@@ -68,7 +68,7 @@ bool sceneSettings(RenderSettings& s) {
   changed |= choose("composition", s.composition,
                     std::array{Way{"cells", Composition::cells}, Way{"gathered", Composition::gathered},
                                Way{"hybrid", Composition::hybrid}},
-                    "cells: morphing cells and backdrops; gathered: every pixel from the photographs that saw it; "
+                    "cells: morphing cells alone; gathered: every pixel from the photographs that saw it; "
                     "hybrid: cells where all members agree, the rest gathered (C)");
   if (s.composition != Composition::cells) {
     changed |= count("photographs", s.gatherCandidates, 1, int(kMaxGatherCandidates),
@@ -98,12 +98,11 @@ bool sceneSettings(RenderSettings& s) {
   changed |= ImGui::Checkbox("cells aligned", &s.alignCells);
   hint("Cells that share photographs move a little, so that they agree where poses are wrong");
   changed |= count("cells", s.maxCells, 1, int(kLargestCellCount), "At most so many are drawn, best first");
-  changed |= count("backdrops", s.maxBackdrops, 0, int(kLargestBackdropCount), "Whole photographs behind the cells");
   const auto tier = [&] {
     return ImGui::SliderInt("lowest tier", &s.lowestTier, 0, 3, "%d", ImGuiSliderFlags_AlwaysClamp);
   };
   changed |= tier();
-  hint("0: what agrees in all photographs; 1: also what one of them shows; 2: also backdrops; 3: holes are filled");
+  hint("0: what photographs agree on; 2: also what no second one confirms; 3: holes are filled");
   changed |= slide("extrapolation", s.extrapolationLimit, 0, 8, "%.2f cells",
                    "Cells further off than this many of their sizes are not drawn");
   changed |= slide("switches", s.switchSeconds, 0, 2, "%.2f s", "A change of the main cell is mixed over so long");

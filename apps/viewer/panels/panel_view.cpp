@@ -34,7 +34,12 @@ void showRoaming(OpenItem& place) {
     ImGui::SetTooltip("From a photograph's place, or from a line between neighbours; a step is how far they are apart");
 }
 
-constexpr std::array kTiers{"all photographs agree", "from one photograph", "from a backdrop", "invented, or nothing"};
+struct TierText {
+  std::size_t tier;
+  const char* text;
+};
+constexpr std::array kTiers{TierText{kTierAgrees, "photographs agree"}, TierText{kTierCompleted, "depth completed"},
+                            TierText{kTierFilled, "invented, or nothing"}};
 
 // As Overlay::tiers shows it.
 ImVec4 colourOf(std::size_t tier) {
@@ -50,7 +55,7 @@ void showTrust(const std::optional<Trust>& trust) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, {at.x + width, at.y + height}, IM_COL32(60, 60, 60, 255));
   float x = at.x;
-  for (std::size_t tier = 0; trust && tier < kTiers.size(); ++tier) {
+  for (std::size_t tier = 0; trust && tier < trust->tiers.size(); ++tier) {
     const float share = width * float(trust->tiers[tier]);
     list.AddRectFilled({x, at.y}, {x + share, at.y + height}, ImGui::ColorConvertFloat4ToU32(colourOf(tier)));
     x += share;
@@ -58,8 +63,8 @@ void showTrust(const std::optional<Trust>& trust) {
   ImGui::Dummy({width, height});
   if (ImGui::IsItemHovered()) {
     ImGui::BeginTooltip();
-    for (std::size_t tier = 0; tier < kTiers.size(); ++tier)
-      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0, kTiers[tier]);
+    for (const auto& [tier, text] : kTiers)
+      ImGui::TextColored(colourOf(tier), "%5.1f %% %s", trust ? 100 * trust->tiers[tier] : 0.0, text);
     ImGui::EndTooltip();
   }
   if (!trust) {

@@ -15,18 +15,18 @@ namespace ibr::app {
 
 /// From what is asked for (the first) to the cheapest, each level cheaper than the one before by one thing and in
 /// nothing above it. In this order:
-/// - cells and backdrops, down to 4: the best are kept, and what goes lies behind them;
+/// - photographs that are gathered from (composition cells: cells), down to 4: the best are kept;
 /// - resolution, to 0.85 and 0.7 of what is asked: soft, but still;
 /// - dithering for blending: one photograph is read a pixel instead of all of a cell, but [T] §2.5.1 finds the grain
 ///   much more visible on a headset and advises against it, so a softer picture comes before a grainy one;
-/// - cells and backdrops down to 2, where holes may open;
+/// - these down to 2, where holes may open;
 /// - resolution 0.5;
 /// - colour mapping off: last, as it changes how everything looks.
-/// Levels that would change nothing are left out: `cells` and `backdrops` are how many the scene has.
+/// Levels that would change nothing are left out: `cells` and `photographs` are how many the scene has.
 std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells = kLargestCellCount,
-                                   std::size_t backdrops = kLargestBackdropCount);
+                                   std::size_t photographs = kMaxGatherCandidates);
 
-/// What tells two levels apart, for people: "cells 12 → 8, backdrops 12 → 8".
+/// What tells two levels apart, for people: "photographs 12 → 8".
 std::string levelChange(const RenderSettings& from, const RenderSettings& to);
 
 struct FrameCost {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "shared/cli/settings.h"
 #include "vr/walk/governor.h"
@@ -20,22 +19,17 @@ void addLevel(std::vector<RenderSettings>& levels, const RenderSettings& level) 
 }
 
 // At most `count` of what is drawn, where there would be more.
-RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t backdrops) {
-  if (settings.composition != Composition::cells) {
-    const std::size_t photographs = std::exchange(backdrops, 0);
-    if (count < std::min<std::size_t>(settings.gatherCandidates, photographs)) settings.gatherCandidates = count;
-  }
-  if (settings.composition != Composition::cells) cells = 0;  // the hybrid has few
-  if (count < std::min<std::size_t>(settings.maxCells, cells)) settings.maxCells = count;
-  if (count < std::min<std::size_t>(settings.maxBackdrops, backdrops)) settings.maxBackdrops = count;
+RenderSettings fewer(RenderSettings settings, std::uint32_t count, std::size_t cells, std::size_t photographs) {
+  const bool ofCells = settings.composition == Composition::cells;  // the hybrid has few
+  std::uint32_t& most = ofCells ? settings.maxCells : settings.gatherCandidates;
+  if (count < std::min<std::size_t>(most, ofCells ? cells : photographs)) most = count;
   return settings;
 }
 
 }  // namespace
 
-std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t backdrops) {
+std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cells, std::size_t photographs) {
   const bool ofCells = asked.composition == Composition::cells;
-  if (ofCells && (asked.lowestTier < kTierBackdrop || !asked.soloCells.empty())) backdrops = 0;  // none is drawn
   std::vector<RenderSettings> levels{asked};
   const auto scaledBy = [&](double share) {
     RenderSettings level = levels.back();
@@ -47,14 +41,14 @@ std::vector<RenderSettings> ladder(const RenderSettings& asked, std::size_t cell
     coarse.voteScale = kCoarseVote;
     addLevel(levels, coarse);
   }
-  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, backdrops));
+  for (const std::uint32_t count : kCounts) addLevel(levels, fewer(levels.back(), count, cells, photographs));
   scaledBy(0.85);
   scaledBy(0.7);
   const bool gathered = asked.composition == Composition::gathered;
   RenderSettings dithered = levels.back();
   if (!gathered) dithered.blend = BlendMode::dither;
   addLevel(levels, dithered);
-  addLevel(levels, fewer(levels.back(), kFewest, cells, backdrops));
+  addLevel(levels, fewer(levels.back(), kFewest, cells, photographs));
   scaledBy(0.5);
   RenderSettings unmapped = levels.back();
   if (!gathered) unmapped.colourMapping = ColourMapping::off;
@@ -68,7 +62,6 @@ std::string levelChange(const RenderSettings& from, const RenderSettings& to) {
     if (differs) text += fmt::format("{}{} {} → {}", text.empty() ? "" : ", ", what, before, after);
   };
   add(from.maxCells != to.maxCells, "cells", from.maxCells, to.maxCells);
-  add(from.maxBackdrops != to.maxBackdrops, "backdrops", from.maxBackdrops, to.maxBackdrops);
   add(from.gatherCandidates != to.gatherCandidates, "photographs", from.gatherCandidates, to.gatherCandidates);
   add(from.voteScale != to.voteScale, "vote", fmt::format("{:.3g}", from.voteScale),
       fmt::format("{:.3g}", to.voteScale));

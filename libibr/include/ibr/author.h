@@ -118,7 +118,8 @@ enum class TrackSource : std::uint8_t {
 /// How the members of a cell are matched.
 enum class MatchMethod : std::uint8_t {
   automatic,    // sweep where the poses are usable (1 px of reprojection, median over a cell's tracks), else flow
-  sweep,        // the members' depth (DepthSearch); fast: planes through space at all depths. The poses being known
+  sweep,        // the members' depth (DepthSearch), the poses being known; planes through space at all depths where
+                // poses are refined first
   homographic,  // planes of the scene found among sparse features ([T]'s reference 25)
   flow,         // optical flow from the map that sparse features say; needs no poses
 };
@@ -129,8 +130,8 @@ constexpr const char* methodName(MatchMethod matcher) {
 
 /// How the depth of each photograph is found; times and accuracy: docs/quality.md.
 enum class DepthSearch : std::uint8_t {
-  fast,     // not at all: cells are swept, and it has their depth, or that of its points
-  swept,    // against up to ten others, in levels
+  fast,     // against up to ten others, in levels, in pictures of half the sides
+  swept,    // the same in pictures of half the matched photographs' sides
   refined,  // then by slanted planes, to a part of a level
   fine,     // that in twice the sides
 };
@@ -189,7 +190,7 @@ struct BuildOptions {
   int maxSize = 0;          // longest side of stored photographs in px; 0 = as they are
   TextureFormat texture = TextureFormat::rgba8;  // of stored textures (ibr/texture.h)
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
-  bool backdrops = true;    // whether each photograph gets a backdrop (Scene::backdrops)
+  bool backdrops = true;    // whether photographs get backdrops and depth textures, so that views can be gathered
   DepthSearch depth = DepthSearch::refined;
   int backdropSpacing = 2;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   std::filesystem::path finishedCells;  // folder in which finished cells, depth and backdrops are kept for further
@@ -250,9 +251,9 @@ struct BuildReport {
   double memory = 0;  // that the process had at most, bytes
 };
 
-/// Builds a scene folder. Cells and backdrops are finished one by one and kept, so that an interrupted or cancelled
-/// build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of one model
-/// are never in one cell. Throws Error.
+/// Builds a scene folder. Depths, cells and backdrops are finished one by one and kept, so that an interrupted or
+/// cancelled build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of
+/// one model are never in one cell. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 
 /// The photographs of a build as it stores them, without building: at their stored size.

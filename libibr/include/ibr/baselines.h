@@ -21,8 +21,9 @@ struct BaselineOptions {
   int threads = 0;                                      // 0 = all cores
 };
 
-/// One thread at a time. Besides the photographs it keeps a depth map of at most 512 × 512 floats for each photograph
-/// that was used; a picture takes about 60 bytes a pixel while it is made.
+/// One thread at a time. Besides the photographs it keeps two depth maps of at most 512 × 512 floats for each
+/// photograph that was used (Node::depthFile; without, depth is infinite); a picture takes about 60 bytes a pixel while
+/// it is made.
 class Baselines {
  public:
   /// The scene and its stored photographs must outlive it. Throws Error{unsupported} where a node is no pinhole, or has
@@ -41,7 +42,7 @@ class Baselines {
   Image8 nearest(const Camera& view);
 
   /// Unstructured lumigraph (Buehler, Bosse, McMillan, Gortler, Cohen 2001): the four best photographs a pixel, by
-  /// angle and resolution, projected onto the depth that matching found (lumigraph.h).
+  /// angle and resolution, projected onto their depth (lumigraph.h).
   Image8 lumigraph(const Camera& view);
 
   /// Photographs of one cell by the homographies of one plane across the view at the cell's median depth, in a

@@ -33,9 +33,9 @@ namespace ibr {
 
 /// Where a pixel's depth and colour come from.
 enum class Composition : std::uint8_t {
-  cells,     // the morphing cells of [T], then backdrops: each draw item in its own slice of the depth range
+  cells,     // the morphing cells of [T], each in its own slice of the depth range; nothing behind them
   gathered,  // photographs vote for the depth of each pixel; its colour is gathered from those that saw it
-  hybrid,    // tier 0 of the cells; the rest is gathered
+  hybrid,    // the cells; what they leave open is gathered
 };
 
 /// How the members' colours become one ([T] §2.5.1).
@@ -101,18 +101,18 @@ enum class AlphaContent : std::uint8_t {
 enum class Overlay : std::uint8_t {
   none,
   wireframe,   // edges of triangles over the picture, in a heat colour of their cell's rank ([T] fig. 4)
-  tiers,       // over the picture: it agrees in all photographs (grey), comes from one, or from a backdrop; holes
-  weights,     // over the picture: which members of a cell it comes from; backdrops are grey
+  tiers,       // over the picture: photographs agree on its depth (grey), or it was completed, or filled; holes
+  weights,     // over the picture: which members of a cell it comes from; of a gathered pixel, which of the best four
   confidence,  // how certain the depth is: its relative uncertainty, σ of ρ over ρ
   depth,       // along the viewing axis, in FramePlan::nearDistance
-  overlap,     // how many cells show a pixel in all their photographs (tier 0); a caller's DepthTarget stays far
-  agreement,   // mean correlation of the members around a pixel ([T] §3.5 eq. 1); grey where they have no contrast
+  overlap,    // how many cells show a pixel: the cells are drawn, nothing is gathered; a caller's DepthTarget stays far
+  agreement,  // mean correlation of the members around a pixel ([T] §3.5 eq. 1); grey where they have no contrast, and
+              // where a pixel is gathered
 };
 
 /// More than this is never drawn in one frame.
 inline constexpr std::uint32_t kLargestCellCount = 64;
-inline constexpr std::uint32_t kLargestLeavingCount = 16;   // cells besides, for a moment after the order changed
-inline constexpr std::uint32_t kLargestBackdropCount = 64;  // and as many besides
+inline constexpr std::uint32_t kLargestLeavingCount = 16;  // cells besides, for a moment after the order changed
 inline constexpr std::uint32_t kColourSlotCount =
     2 * (kLargestCellCount + kLargestLeavingCount);  // of a frame's cells and of those before it
 
@@ -138,15 +138,15 @@ inline constexpr std::uint32_t kMaxGatherLayers = 2;
 ///   voteScale                                        no       yes                            yes
 ///   textureScale, renderScale, alpha, floor,
 ///   background, leaveOutHidden                       yes      yes                            yes
-///   lowestTier                                       yes      0 confirmed, 2 completed,      0 cells and confirmed,
-///                                                             3 filled                       as gathered
+///   lowestTier                                       0, 3     0 confirmed, 2 completed,      0 cells and confirmed,
+///                                                    filled   3 filled                       as gathered
 ///   exposure, exposureSeconds                        yes      adapted: to the photographs    as cells
 ///                                                             by inverse squared distance
 ///   maxCells, extrapolationLimit, fadeShare,
 ///   switchSeconds, morph, blend, alignCells,
 ///   mutedCells, colour…, shareEyeColours             yes      no                             of its cells, 2 at most
-///   maxBackdrops                                     yes      no                             no
-///   overlay, soloCells                               yes      the cells are drawn            the cells are drawn
+///   soloCells                                        yes      the cells are drawn            the cells are drawn
+///   overlay                                          yes      yes                            yes
 ///   order paper; colourMapping paper, paperRedraw    yes      refused                        refused
 ///
 /// Refused: planFrame throws Error{invalidInput} that names the field. A scene whose photographs have no evidence of
@@ -162,23 +162,22 @@ struct RenderSettings {
   DrawOrder order = DrawOrder::ours;
   AlphaContent alpha = AlphaContent::opaque;
   std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first
-  std::uint32_t maxBackdrops = 12;  // likewise backdrops (tier 2)
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long, and
-                                    // cells and backdrops that change their place fade for so long; 0: cuts
+                                    // cells that change their place fade for so long; 0: cuts
   double textureScale = 1.0;        // of the photographs' sides that are seen: 0.5 shows half their detail; > 0
   double renderScale = 1.0;         // of the target's sides: cells are drawn that much smaller or larger; > 0, at most
                                     // RendererOptions::largestScale
   std::vector<std::uint32_t> mutedCells, soloCells;  // Scene::cells that are never drawn; where there are any of the
-                                                     // latter, all else is not, backdrops neither. In any order;
-                                                     // indices beyond the scene's mean nothing
+                                                     // latter, nothing else is. In any order; indices beyond the
+                                                     // scene's mean nothing
   bool alignCells = false;  // Morph::ours: neighbours agree on where their shared photographs are seen
                             // (PlannedCell::correction), though poses be wrong. Helps where errors of poses are large
                             // and of no pattern; on good poses it may lose a little
-  int lowestTier = kTierBackdrop;  // tiers beyond this are not drawn; kTierFilled fills from around what nothing shows,
-                                   // but not in scenes with masks: what these leave out is not invented
-  bool leaveOutHidden = true;      // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
+  int lowestTier = kTierCompleted;  // tiers beyond this are not drawn; kTierFilled fills from around what nothing
+                                    // shows, but not in scenes with masks: what these leave out is not invented
+  bool leaveOutHidden = true;       // RendererOptions::hiddenArea; false: all is drawn, as for a picture to be kept
 
   Exposure exposure = Exposure::adapted;
   double exposureSeconds = 0.5;  // time constant with which the eye adapts
@@ -203,7 +202,7 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Settings by name, from the fastest to the most accurate; all but `fast` fill. What a device of the kind draws in
+/// Settings by name, from the fastest to the most accurate. What a device of the kind draws in
 /// little time differs, so that the settings do. `balanced` is the default of the programs.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
 RenderSettings preset(Preset preset, DeviceKind kind);
@@ -224,6 +223,7 @@ struct CellBounds {
     Corner point;
   };
   std::vector<Member> members;       // as Cell::members
+  std::vector<glm::vec4> surface;    // points of tier 0, (x, y, z) / w from the first member's place, world axes
   std::vector<Corner> corners;       // of the outline
   std::vector<glm::uvec2> outline;   // sum of tier 0's directed borders, edges between corners; empty: not to be used
   float largestInverseDistance = 0;  // of all vertices, ρ
@@ -240,7 +240,7 @@ struct GatherBounds {
   bool operator==(const GatherBounds&) const = default;
 };
 struct SceneBounds {
-  std::vector<CellBounds> cells, backdrops;  // as those of the scene
+  std::vector<CellBounds> cells;  // as those of the scene
   GatherBounds gather;
   std::shared_ptr<AnchorsOnDemand> anchors;  // made by the first frame that is planned with RenderSettings::alignCells
 };
@@ -273,24 +273,12 @@ struct PlannedCell {
   double rotationalDistance = 0;     // radians, likewise
   double photographDistance = 0;     // of those that it shows, world units, likewise: RMS, as they are blended
   double opacity = 1;                // below 1 near the extrapolation limit, and while the order changes
-  std::array<double, 4> single{};    // weights of tier 1: one member alone, but while that becomes another
   std::array<View, 2> view;          // weights by view
   Correction correction;             // aligns it with its neighbours (RenderSettings::alignCells)
   std::uint32_t colourSlot = kColourSlotCount;  // of the cell's colour table; kColourSlotCount: the identity
   bool colourFresh = true;                      // the slot remembers no frame before
   bool colourNeeded = true;                     // something that shows may go through its colour table
-  bool hidden = false, rejectedHidden = false;  // tier 0, tier 1: what is better covers them for certain
-};
-
-/// A photograph's backdrop mesh, drawn after all cells, or before those that show photographs from much further away.
-/// One that changes its place among the others is there twice for a while.
-struct PlannedBackdrop {
-  std::uint32_t backdrop = 0;                   // index into Scene::backdrops
-  double opacity = 1;                           // below 1 while the order changes
-  double distance = 0;                          // of its photograph from the middle of the views, world units
-  Correction correction;                        // as PlannedCell::correction
-  std::uint32_t colourSlot = kColourSlotCount;  // of the best cell that shows its photograph
-  bool hidden = false;                          // what is better covers it for certain
+  bool hidden = false;                          // better cells cover it for certain
 };
 
 /// A photograph that votes and that colours are gathered from (Composition::gathered, hybrid).
@@ -299,30 +287,29 @@ struct PlannedPhotograph {
   std::uint32_t backdrop = 0;  // index into Scene::backdrops: its mesh
   double weight = 1;           // 0 to 1, as a whole: 0 where it is about to be replaced by another
   double distance = 0;         // from the middle of the views, world units
+  double share = 0;            // of the views' colours, by places and directions alone; they sum to 1
   bool operator==(const PlannedPhotograph&) const = default;
 };
 
-/// A cell, or a backdrop, as a frame shows it in its order.
-struct ShownMesh {
-  std::uint32_t mesh = 0;  // its index
+/// A cell as a frame shows it in its order.
+struct ShownCell {
+  std::uint32_t cell = 0;  // its index
   double opacity = 1;      // of a fade after the order changed
   bool leaving = false;    // it has another place by now, or none
-  bool operator==(const ShownMesh&) const = default;
+  bool operator==(const ShownCell&) const = default;
 };
 
 /// What a plan remembers of the frames before. Start from {}.
 struct PlanState {
-  std::int64_t mainCell = -1;                                           // index of the last main cell, −1 if none
-  std::vector<ShownMesh> cells, backdrops;                              // in the last frame, best first
-  std::vector<std::uint32_t> hiddenCells, hiddenBackdrops;              // that were in view and too many, ascending
-  std::vector<std::pair<std::uint32_t, std::array<double, 4>>> single;  // cells of the last frame, ascending, and
-                                                                        // PlannedCell::single
-  std::vector<ShownMesh> former;          // cells before the last switch of the main cell, best first
-  double secondsSinceSwitch = 0;          // of that switch
-  std::vector<std::int64_t> colourSlots;  // cell of each slot, −1 if none
-  std::optional<glm::dvec3> exposure;     // log of FramePlan::exposure
-  double colourFade = 0;                  // seconds until the main cell's table is the identity
-  int colourAge = 0;                      // frames since colours were counted
+  std::int64_t mainCell = -1;              // index of the last main cell, −1 if none
+  std::vector<ShownCell> cells;            // in the last frame, best first
+  std::vector<std::uint32_t> hiddenCells;  // that were in view and too many, ascending
+  std::vector<ShownCell> former;           // cells before the last switch of the main cell, best first
+  double secondsSinceSwitch = 0;           // of that switch
+  std::vector<std::int64_t> colourSlots;   // cell of each slot, −1 if none
+  std::optional<glm::dvec3> exposure;      // log of FramePlan::exposure
+  double colourFade = 0;                   // seconds until the main cell's table is the identity
+  int colourAge = 0;                       // frames since colours were counted
   bool operator==(const PlanState&) const = default;
 };
 
@@ -347,7 +334,6 @@ struct FramePlan {
   RenderSettings settings;
   std::vector<PlannedCell> cells;              // best first; the first is the main cell
   std::vector<LeavingCell> leaving;            // what is drawn besides, by place
-  std::vector<PlannedBackdrop> backdrops;      // best first, those that leave among them
   std::vector<PlannedPhotograph> photographs;  // for the gather, best first; empty with Composition::cells
   GatherBounds gather;                         // of the scene
   std::vector<PlannedCell> former;  // while a switch is mixed: what is drawn in the order before it; else empty
@@ -369,8 +355,7 @@ struct FramePlan {
 ///
 /// A switch of the main cell cannot be seen as a cut: for switchSeconds the former order is mixed in, and until then
 /// the main cell is kept. Nor can its colours: the main cell's table begins as it was shown and fades. Nor can changes
-/// of the order behind the main cell, or of backdrops: what changes its place fades there, also what is muted or drawn
-/// alone; but backdrops that come back where there were none are there at once.
+/// of the order behind the main cell: what changes its place fades there, also what is muted or drawn alone.
 FramePlan planFrame(const Scene& scene, const SceneBounds& bounds, const FrameInput& input,
                     const PlanState& state = {});
 

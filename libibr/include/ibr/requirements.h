@@ -14,12 +14,10 @@ namespace ibr {
 struct Requirements {
   // Of the scene.
   std::array<std::uint32_t, 5> cellsOf{};  // cells of so many members: lines, triangles, tetrahedra
-  std::uint32_t cells = 0, backdrops = 0;
+  std::uint32_t cells = 0;
   std::uint32_t pinholes = 0, panoramas = 0;  // photographs
   std::uint32_t mixedCells = 0;               // with photographs of both kinds
   std::uint32_t masked = 0;                   // photographs with a mask
-  bool rejected = false;                      // there are triangles of tier 1
-  bool stretched = false;                     // backdrops have triangles that come after all that agree
   bool severalExposures = true;               // unknown is several
   bool gains = false;                         // there are photographs whose gain is not 1
   std::uint32_t gatherable = 0;               // photographs with a backdrop, evidence in its mesh, and a depth texture

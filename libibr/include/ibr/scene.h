@@ -41,13 +41,12 @@ struct Node {
 };
 inline constexpr double kLargestGain = 4096;
 
-/// What a triangle is good for (ARCHITECTURE §5, "Tiers").
+/// What is known of a triangle, or of a pixel.
 enum Tier : std::uint8_t {
-  kTierAgrees = 0,    // agrees in all members: blended as [T] says
-  kTierRejected = 1,  // rejected by a filter: drawn from a single member after all of tier 0
-  kTierBackdrop = 2,  // a photograph's backdrop mesh: the whole picture, its depth completed; after all of tier 1, but
-                      // before cells that show photographs from much further away
-  kTierFilled = 3,    // nothing was drawn: filled from around
+  kTierAgrees = 0,     // agrees in all members: blended as [T] says; of a gathered pixel: its depth is confirmed
+  kTierRejected = 1,   // rejected by a filter: kept in the mesh, not drawn
+  kTierCompleted = 2,  // of a gathered pixel: no second photograph confirms its depth, which was completed
+  kTierFilled = 3,     // nothing was drawn: filled from around
 };
 
 /// A morphing mesh over d members and n points.
@@ -112,7 +111,7 @@ struct Scene {
   std::filesystem::path folder;  // what relative paths of the nodes start from; empty for a scene made in code
   std::vector<Node> nodes;
   std::vector<Cell> cells;
-  std::vector<Cell> backdrops;  // tier 2: at most one a node, one member each
+  std::vector<Cell> backdrops;  // meshes of photographs' depth, which vote (Composition::gathered): at most one a node
   std::vector<UnusedPhotograph> unused;
   std::string acquisition;  // "ordered", "unordered", "synthetic", "panoramic" or ""
   std::string settings;     // the effective settings it was built with, as JSON text; "" if none

@@ -84,7 +84,7 @@ struct BufferTargets {
   VkExtent2D extent{0, 0};
   /// kSurfaceFormat: depth along the view's -z in world units, infinity where it is unknown (ρ = 0) [infinity]; tier
   /// [3 where the plan asks to fill, else −1]; rank of the cell in the plan (of one that
-  /// leaves: its former place), or of the backdrop among backdrops [−1];
+  /// leaves: its former place), −1 where a pixel is gathered [−1];
   /// the cell's extrapolation distance, world units [0].
   BufferTarget surface;
   /// kWeightsFormat: of the members' colours, in the order of the cell's; they sum to 1 [0].

@@ -37,8 +37,6 @@ struct Step {
   const Scene& scene;
   const Cell& cell;
   const FramePlan& plan;
-  int tier;      // that it is drawn as
-  int meshTier;  // that it has in its mesh
   PlannedCell::View weights;
   double opacity;
   int rank;
@@ -46,33 +44,14 @@ struct Step {
   bool cubic;
   Correction correction;
   double detail() const { return double(shader::kFinerDetail) / plan.settings.textureScale; }
-  Morph morph() const { return tier == kTierBackdrop ? Morph::ours : plan.settings.morph; }
 };
 
 std::vector<Step> stepsOf(const Scene& scene, const FramePlan& plan, const std::vector<PlannedCell>& cells,
                           std::size_t view, bool cubic) {
   std::vector<Step> steps;
-  const auto alone = [](std::size_t member) {
-    PlannedCell::View weights;
-    weights.position[member] = weights.blend[member] = 1;
-    return weights;
-  };
-  const auto addBackdrops = [&](int tier, const auto& shareOf) {
-    for (const PlannedBackdrop& b : plan.backdrops)
-      if (const double share = shareOf(b); plan.settings.lowestTier >= kTierBackdrop && share > 0)
-        steps.push_back({scene, scene.backdrops[b.backdrop], plan, kTierBackdrop, tier, alone(0), share * b.opacity,
-                         int(&b - plan.backdrops.data()), 0, cubic, b.correction});
-  };
-  // Every copy that a backdrop's share grows by; the renderer leaves out what adds little.
-  for (const int tier : {kTierAgrees, kTierRejected})
-    for (const PlannedCell& c : cells) {
-      if (plan.settings.lowestTier < tier) break;
-      if (tier == kTierAgrees) addBackdrops(tier, [&](const PlannedBackdrop& b) { return shareBefore(plan, b, c); });
-      steps.push_back({scene, scene.cells[c.cell], plan, tier, tier,
-                       tier == 0 ? c.view[view] : PlannedCell::View{c.single, c.single}, c.opacity,
-                       int(&c - cells.data()), c.extrapolationDistance, cubic, c.correction});
-    }
-  for (const int tier : {kTierAgrees, kTierRejected}) addBackdrops(tier, [](const PlannedBackdrop&) { return 1.0; });
+  for (const PlannedCell& c : cells)
+    steps.push_back({scene, scene.cells[c.cell], plan, c.view[view], c.opacity, int(&c - cells.data()),
+                     c.extrapolationDistance, cubic, c.correction});
   return steps;
 }
 
@@ -201,7 +180,7 @@ double masked(const Step& step, const Triangle& t, const std::vector<std::vector
   double total = 0;
   bool border = false;
   for (std::size_t i = 0; i < step.cell.members.size(); ++i) {
-    if (step.tier == kTierAgrees) weights[i] = std::max(weights[i], double(shader::kLeastMaskedWeight));
+    weights[i] = std::max(weights[i], double(shader::kLeastMaskedWeight));
     const double alpha = sample(step, t, textures[step.cell.members[i]], i, x, y).alpha;
     border = border || (weights[i] > 0 && alpha > 0 && alpha < 1);
     weights[i] *= std::clamp(2 * alpha - 1, 0.0, 1.0);
@@ -241,7 +220,7 @@ Texel shade(const Step& step, const Triangle& t, const std::vector<std::vector<I
   const glm::dvec3 a = t.inverse * glm::dvec3(x + 0.5, y + 0.5, 1.0);  // sums to 1 / w
   const glm::dvec3 variance = glm::max(square - mean * mean, 0.0);
   known = {1.0 / std::max(glm::dot(a, t.inverseDistance), 0.0),
-           step.tier,
+           kTierAgrees,
            step.rank,
            step.extrapolation,
            blend,
@@ -269,22 +248,21 @@ glm::ivec2 noiseOffset(const FramePlan& plan, std::size_t view) {
 struct Owner {
   int step = -1;
   double depth = 2;
-  int counted = -1;  // last step of tier 0 that shows it, hidden or not
+  int counted = -1;  // last step that shows it, hidden or not
 };
 
 void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>>& textures, const Camera& view,
               glm::ivec2 noise, Picture& picture, std::vector<Owner>& owners) {
   const Intrinsics& k = view.intrinsics;
   const glm::dquat toView = glm::conjugate(view.pose.rotation);
-  const bool ours = step.morph() == Morph::ours;
+  const bool ours = step.plan.settings.morph == Morph::ours;
   const MorphMesh& mesh = step.cell.mesh;
-  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
-    if (mesh.tier[f] != step.meshTier) continue;
+  for (std::size_t f = 0; f < mesh.tier0Count(); ++f) {
     Triangle t;
     glm::dmat3 m;
     for (int v = 0; v < 3; ++v) {
       const std::size_t p = mesh.triangles[f][v];
-      const glm::dvec3 d = toView * morph(step.scene, step.cell, p, step.weights.position, step.morph(),
+      const glm::dvec3 d = toView * morph(step.scene, step.cell, p, step.weights.position, step.plan.settings.morph,
                                           view.pose.position, step.correction);
       m[v] = {k.fx * d.x - k.cx * d.z, -k.fy * d.y - k.cy * d.z, -d.z};  // pixel coordinates times w
       t.inverseDistance[v] = ours ? double(mesh.inverseDistance[p]) : 0.0;
@@ -318,7 +296,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
                                         y + noise.y + int(shader::kDissolveOffset.y)) >= float(step.opacity))
           continue;
         const double z = std::clamp(glm::dot(a, t.depth), 0.0, 1.0);
-        if (step.tier == kTierAgrees && std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
+        if (std::exchange(owners[at].counted, index) != index) ++picture.overlap[at];
         if (owners[at].step >= 0 && (owners[at].step < index || owners[at].depth <= z)) continue;
         std::array<double, 4> blend = step.weights.blend;
         double border = 0;
@@ -329,7 +307,7 @@ void drawStep(const Step& step, int index, const std::vector<std::vector<Image8>
         owners[at].step = index;
         owners[at].depth = z;
         const Texel texel = shade(step, t, textures, x, y, noise, blend, picture.known[at]);
-        picture.colour[at] = glm::dvec4(glm::clamp(texel.colour, 0.0, 1.0), (255.0 - 64.0 * step.tier) / 255.0);
+        picture.colour[at] = glm::dvec4(glm::clamp(texel.colour, 0.0, 1.0), 1.0);
         picture.range[at] = std::max(texel.range, border);
         picture.levelRange[at] = texel.levelRange;
       }

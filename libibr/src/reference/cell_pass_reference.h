@@ -26,12 +26,12 @@ struct Known {
 struct Picture {
   int width = 0, height = 0;
   std::vector<glm::dvec4> colour;  // RGB display-encoded, 0 to 1, and the canvas's tier code; (0, 0, 0, 0) in holes
-  std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one tier of one cell
+  std::vector<std::uint8_t> safe;  // 1 where the pixel and its eight neighbours show one cell
   std::vector<double> edge;        // px to the nearest edge of a triangle: see isCertain
   std::vector<double> range;       // levels by which the texels differ that the colour was made of
   std::vector<double> levelRange;  // levels by which the two mip levels differ
   std::vector<Known> known;        // of the plan's current order
-  std::vector<int> overlap;        // cells that show the pixel in tier 0, hidden ones too
+  std::vector<int> overlap;        // cells that show the pixel, hidden ones too
 };
 
 /// Whether every device must draw the pixel as the twin does, but for its texture filter. Vertices are snapped to

@@ -126,7 +126,7 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
     }
   }
   if (!(sum > 0)) return;
-  const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierBackdrop : kTierAgrees;
+  const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierCompleted : kTierAgrees;
   if (tier > job.lowestTier) return;
   result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
   result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueDepth(surfaces));

@@ -92,9 +92,7 @@ struct Renderer::State {
            plan.views[0].intrinsics.width == plan.views[1].intrinsics.width &&
            plan.views[0].intrinsics.height == plan.views[1].intrinsics.height;
   }
-  bool gathers(const FramePlan& plan) const {
-    return gather && plan.settings.composition != Composition::cells && plan.settings.overlay == Overlay::none;
-  }
+  bool gathers(const FramePlan& plan) const { return gather && plan.settings.composition != Composition::cells; }
   bool adapts(const FramePlan& plan) const { return colours && plan.settings.colourMapping == ColourMapping::ours; }
   bool isSequence(const FramePlan& plan) const {
     return colours && (plan.settings.colourMapping == ColourMapping::paper ||
@@ -195,7 +193,13 @@ void Renderer::State::drawCells(VkCommandBuffer commands, const FramePlan& plan,
     cells->draw(commands, plan, order, view, extent);
   else
     overlays->draw(commands, plan, order, view, extent);
-  if (gathers(plan)) gather->draw(commands, plan, view, extent, stepsOf(*scene, plan, order, view).count);
+  if (gathers(plan)) {
+    const std::uint32_t steps = stepsOf(*scene, plan, order, view).count;
+    if (plan.settings.overlay == Overlay::none)
+      gather->draw(commands, plan, view, extent, steps);
+    else
+      gather->drawOverlay(commands, plan, view, extent, steps);
+  }
   into.end(commands);
 }
 
@@ -316,7 +320,7 @@ Renderer::Counters Renderer::count(const FramePlan& plan) const noexcept {
       for (const Step& step : steps.all()) {
         if (step.hidden) continue;
         ++counters.draws;
-        counters.triangles += step.range.indexCount / 3;
+        counters.triangles += step.mesh->indices.count / 3;
       }
     }
   }

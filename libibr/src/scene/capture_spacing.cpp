@@ -10,7 +10,7 @@
 
 namespace ibr {
 
-double captureSpacing(const std::vector<Camera>& cameras) {
+double captureSpacing(std::span<const Camera> cameras) {
   double extent = 0;
   for (const Camera& camera : cameras)
     extent = std::max(extent, glm::distance(camera.pose.position, cameras[0].pose.position));

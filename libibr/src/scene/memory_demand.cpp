@@ -31,7 +31,7 @@ MemoryDemand memoryDemand(const Scene& scene, std::span<const TextureFormat> for
       demand.positions += (3 * cell.members.size() + 1) * sizeof(float) * cell.mesh.pointCount();
       if (!cell.mesh.confirmations.empty())  // trust and consensus
         demand.positions += 2 * sizeof(std::uint16_t) * cell.mesh.pointCount();
-      demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.triangles.size();
+      demand.indices += 3 * sizeof(std::uint32_t) * cell.mesh.tier0Count();
       for (const std::uint32_t member : cell.members) shown[member] = true;
     }
   for (std::size_t n = 0; n < scene.nodes.size(); ++n)

@@ -105,7 +105,7 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK_THAT(runProgram({"info", folder / "scene"}).out, Contains("a/0.png"));
     CHECK(runProgram({"validate", folder / "scene"}).code == 0);
   }
-  SECTION("backdrops alone give a photograph back, whole") {
+  SECTION("what is gathered gives a photograph back, whole") {
     Scene scene = loadScene(folder / "scene");
     REQUIRE(scene.backdrops.size() == 3);
     CHECK(report.at("backdrops").size() == 3);
@@ -113,13 +113,14 @@ TEST_CASE("build finds the model, says which, and reports") {
     saveScene(scene, folder / "scene");
     if (!test::deviceIsThere()) return;
     const auto eval = runProgram(
-        {"eval", folder / "scene", "--truth", set.photographs.string(), "--composition", "cells", "--json", "-"});
+        {"eval", folder / "scene", "--truth", set.photographs.string(), "--composition", "gathered", "--json", "-"});
     INFO(eval.err);
     REQUIRE(eval.code == 0);
     const auto viewsReport = nlohmann::json::parse(eval.out);
     for (const auto& view : viewsReport.at("views")) {
       CHECK(view.at("coverage") == 1.0);
-      CHECK(view.at("coverageTier2") == 1.0);
+      CHECK(view.at("coverageTier0") > 0.3);
+      CHECK(view.at("coverageTier2") > 0);
       CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));  // null: equal
     }
   }

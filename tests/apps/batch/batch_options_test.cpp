@@ -94,7 +94,7 @@ TEST_CASE("a wrong command line is exit code 1, said on stderr") {
       {"render", "scene", "--path", "auto:3", "-o", "out", "--render-scale", "0"},
       {"render", "scene", "--path", "auto:3", "-o", "out", "--texture-scale", "0"},
       {"render", "scene", "--path", "auto:3", "-o", "out", "--eye-colours", "both"},
-      {"render", "scene", "--path", "auto:3", "-o", "out", "--backdrops", "65"},
+      {"render", "scene", "--path", "auto:3", "-o", "out", "--photographs", "17"},
       {"eval", "scene"},
       {"eval", "--truth", "t"},
       {"eval", "--leave-one-out"},

@@ -149,7 +149,7 @@ TEST_CASE("ibr tradeoff: Ctrl-C loses nothing that was measured, and the same co
     for (std::string each; std::getline(lines, each);) count += each.find(what) != std::string::npos;
     return count;
   };
-  CHECK(linesWith("\"prediction\"") == 11);  // settings: pictures come first
+  CHECK(linesWith("\"prediction\"") == 10);  // settings: pictures come first
   CHECK(linesWith("\"times\"") >= 2);        // rounds
   const Outcome resumed = runProgram(line);
   INFO(resumed.err);

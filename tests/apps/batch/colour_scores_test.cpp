@@ -45,8 +45,8 @@ TEST_CASE("without a border between cells, or of tier 0, there is no seam") {
   const Image8 picture = halves(100, 130);
   const ImageF oneCell(4, 2, 4);
   CHECK(std::isnan(seamStep(picture, oneCell, picture).levels));
-  ImageF backdrops = twoCells();
+  ImageF completed = twoCells();
   for (int y = 0; y < 2; ++y)
-    for (int x = 2; x < 4; ++x) backdrops.pixel(x, y)[1] = 2;
-  CHECK(std::isnan(seamStep(picture, backdrops, picture).deltaE));
+    for (int x = 2; x < 4; ++x) completed.pixel(x, y)[1] = 2;
+  CHECK(std::isnan(seamStep(picture, completed, picture).deltaE));
 }

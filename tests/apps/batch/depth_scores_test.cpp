@@ -32,7 +32,7 @@ TEST_CASE("depth is right within a pixel of parallax, and the sky does not count
   CHECK(std::isnan(depthScores(row({1}), row({0}), {100, 0.5}).right));
 }
 
-TEST_CASE("completed, filled and empty pixels are guessed; matched ones and those that disagree are not") {
+TEST_CASE("completed, filled and empty pixels are guessed; matched ones are not") {
   FrameBuffers buffers{ImageF(6, 1, 4), ImageF(6, 1, 4), ImageF(6, 1, 2)};
   const auto set = [&](int x, float depth, float tier, float uncertainty) {
     buffers.surface.pixel(x, 0)[0] = depth;
@@ -40,12 +40,12 @@ TEST_CASE("completed, filled and empty pixels are guessed; matched ones and thos
     buffers.confidence.pixel(x, 0)[1] = uncertainty;
   };
   set(0, 4, kTierAgrees, 0.001f);
-  set(1, 4, kTierRejected, 0.2f);
-  set(2, 4, kTierBackdrop, 0.05f / 4);
-  set(3, 4, kTierBackdrop, 1.0f / 4);
+  set(1, 4, kTierAgrees, 0.2f);
+  set(2, 4, kTierCompleted, 1.0f / 4);
+  set(3, 4, kTierCompleted, 1.0f / 4);
   set(4, kInfinity, kTierFilled, kInfinity);
   set(5, kInfinity, -1, kInfinity);
-  CHECK(guessedShare(buffers) == Approx(3.0 / 6));
+  CHECK(guessedShare(buffers) == Approx(4.0 / 6));
   const ImageF drawn = drawnInverseDepth(buffers);
   CHECK(drawn.values[0] == 0.25f);
   CHECK(drawn.values[4] < 0);

@@ -177,7 +177,7 @@ TEST_CASE("tiers tell confirmed depth from completed depth") {
   };
   CHECK(tier(stage.compose(kBetween)) == kTierAgrees);
   for (ComposerPhotograph& one : stage.photographs) std::ranges::fill(one.depth.confirmations.values, std::uint8_t(0));
-  CHECK(tier(stage.compose(kBetween)) == kTierBackdrop);
+  CHECK(tier(stage.compose(kBetween)) == kTierCompleted);
 }
 
 TEST_CASE("photographs that cannot be composed are refused by number") {

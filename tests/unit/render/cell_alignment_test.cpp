@@ -127,11 +127,11 @@ TEST_CASE("what is not determined stays nothing") {
 TEST_CASE("anchors lie on the photograph's ray, and see what every member sees") {
   const Scene scene = sceneOf(kNeighbours);
   const SceneBounds bounds = sceneBounds(scene);
-  const AnchorsOnDemand::OfMeshes& anchors = bounds.anchors->of(scene);
+  const AnchorsOnDemand::OfCells& anchors = bounds.anchors->of(scene);
   CHECK(&anchors == &bounds.anchors->of(scene));  // looked up once
-  CHECK_FALSE(anchors.cells[0].empty());
+  CHECK_FALSE(anchors[0].empty());
   for (std::size_t c = 0; c < 2; ++c)
-    for (const CellBounds::Anchor& anchor : anchors.cells[c]) {
+    for (const CellBounds::Anchor& anchor : anchors[c]) {
       CHECK((anchor.photograph == 1 || anchor.photograph == 2));  // the only ones that both show
       const auto& members = scene.cells[c].members;
       const std::size_t member = std::size_t(std::ranges::find(members, anchor.photograph) - members.begin());
@@ -147,10 +147,10 @@ TEST_CASE("anchors lie on the photograph's ray, and see what every member sees")
         CHECK((std::abs(z + 8) < 1e-3 || std::abs(z + 4) < 1e-3));
       }
     }
-  CHECK(std::ranges::is_sorted(anchors.cells[0], {},
+  CHECK(std::ranges::is_sorted(anchors[0], {},
                                [](const CellBounds::Anchor& a) { return std::pair(a.photograph, a.place); }));
   const Scene lone = sceneOf({{0, 1, 2}});
-  CHECK(AnchorsOnDemand().of(lone).cells.at(0).empty());
+  CHECK(AnchorsOnDemand().of(lone).at(0).empty());
 }
 
 TEST_CASE("cells that differ because a pose is wrong agree again") {
@@ -233,10 +233,10 @@ TEST_CASE("corrections are finite wherever the view is") {
       for (const double yaw : {0.0, 3.1}) {
         const Camera view = cameraAt(place, yaw);
         SceneBounds bounds = sceneBounds(scene);
-        std::vector<MeshToAlign> meshes;
+        std::vector<CellToAlign> cells;
         for (std::size_t c = 0; c < 2; ++c)
-          meshes.push_back({&scene.cells[c], bounds.anchors->of(scene).cells[c], {0.3, 0.3, 0.4}, 0.1 * double(c)});
-        for (const Correction& correction : alignMeshes(scene, meshes, place)) {
+          cells.push_back({&scene.cells[c], bounds.anchors->of(scene)[c], {0.3, 0.3, 0.4}, 0.1 * double(c)});
+        for (const Correction& correction : alignCells(scene, cells, place)) {
           CHECK(isFinite(correction));
           CHECK(angleOf(correction) <= kLargestCorrection * 1.0001);
         }
@@ -247,7 +247,7 @@ TEST_CASE("corrections are finite wherever the view is") {
   Scene scene = turned(sceneOf(kNeighbours), 3, 0.5);
   for (Node& node : scene.nodes) node.camera.pose.position = {};
   for (const PlannedCell& cell : planOf(scene, cameraAt({})).cells) CHECK(isFinite(cell.correction));
-  CHECK(alignMeshes(scene, {}, {}).empty());
+  CHECK(alignCells(scene, {}, {}).empty());
 }
 
 TEST_CASE("both eyes get one correction, a rigid motion") {

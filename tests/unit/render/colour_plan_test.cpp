@@ -19,8 +19,8 @@ FramePlan planOf(std::vector<std::uint32_t> cells, ColourMapping mapping = Colou
   return plan;
 }
 
-FramePlan colours(FramePlan plan, double seconds, const PlanState& state, const Scene& scene = {}) {
-  planColours(scene, seconds, state, plan);
+FramePlan colours(FramePlan plan, double seconds, const PlanState& state) {
+  planColours(seconds, state, plan);
   return plan;
 }
 
@@ -136,23 +136,6 @@ TEST_CASE("time that stands still moves no table; the first frame shows its targ
   CHECK(plan.colour.share == 1);
   CHECK(plan.colour.largestStep == 255);
   CHECK(plan.colour.mainShare == Approx(0.02));
-}
-
-TEST_CASE("a backdrop takes the table of the best cell that shows its photograph") {
-  Scene scene;
-  scene.nodes.resize(5);
-  scene.cells.resize(3);
-  scene.cells[0].members = {0, 1};
-  scene.cells[1].members = {1, 2};
-  scene.cells[2].members = {3, 2};
-  for (std::uint32_t n = 0; n < 5; ++n) scene.backdrops.emplace_back().members = {n};
-  FramePlan plan = planOf({2, 1});
-  for (const std::uint32_t b : {4u, 3u, 2u, 1u, 0u}) plan.backdrops.push_back({b});
-  plan = colours(plan, 0, {}, scene);
-  const std::uint32_t first = plan.cells[0].colourSlot, second = plan.cells[1].colourSlot;
-  std::vector<std::uint32_t> slots;
-  for (const PlannedBackdrop& backdrop : plan.backdrops) slots.push_back(backdrop.colourSlot);
-  CHECK(slots == std::vector<std::uint32_t>{kColourSlotCount, first, first, second, kColourSlotCount});
 }
 
 TEST_CASE("colours are counted every few frames, and at once where a cell is new") {

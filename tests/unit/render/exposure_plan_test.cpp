@@ -127,3 +127,38 @@ TEST_CASE("the eye adapts over time, and at once where nothing was seen before")
   REQUIRE(away.cells.empty());
   CHECK(near(away.exposure, first.exposure));
 }
+
+TEST_CASE("where no cell is drawn the eye adapts to the photographs that are gathered from") {
+  Scene scene = exposedScene();
+  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
+    Cell backdrop;
+    backdrop.members = {n};
+    backdrop.mesh.match = {{{0, 0}}};
+    backdrop.mesh.ratio = {{1}};
+    backdrop.mesh.inverseDistance = {0.2f};
+    backdrop.mesh.uncertainty = {0.01f};
+    backdrop.mesh.confirmations = {3};
+    backdrop.mesh.consensus = {0.9f};
+    scene.backdrops.push_back(backdrop);
+    scene.nodes[n].depthFile = scene.nodes[n].name + ".ktx2";
+    scene.nodes[n].depthScale = 1;
+  }
+  REQUIRE(validate(scene).empty());
+  Scene bare = scene;
+  bare.cells.clear();
+  const auto exposure = [](const Scene& of, glm::dvec3 position, Composition composition) {
+    RenderSettings settings;
+    settings.composition = composition;
+    const FramePlan plan = planAt(of, position, settings);
+    CHECK(plan.settings.composition == composition);
+    return plan.exposure;
+  };
+  const glm::dvec3 between(0.4, 0.1, 0);
+  CHECK(near(exposure(bare, between, Composition::hybrid), exposure(bare, between, Composition::gathered)));
+  CHECK(near(exposure(scene, between, Composition::hybrid), exposure(scene, between, Composition::cells)));
+  CHECK_FALSE(near(exposure(scene, between, Composition::gathered), exposure(scene, between, Composition::cells)));
+  for (const std::uint32_t n : {0u, 1u}) {
+    const glm::dvec3 own = exposure(bare, scene.nodes[n].camera.pose.position, Composition::hybrid);
+    for (int c = 0; c < 3; ++c) CHECK(own[c] * scene.nodes[n].gain[c] == Approx(1).epsilon(0.2));
+  }
+}

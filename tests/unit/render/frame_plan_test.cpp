@@ -93,9 +93,6 @@ TEST_CASE("the main cell holds the camera and looks its way; the rest follow by 
   }
   for (const PlannedCell& cell : plan.cells) {
     CHECK(std::accumulate(cell.view[0].blend.begin(), cell.view[0].blend.end(), 0.0) == Approx(1).epsilon(1e-15));
-    const auto best =
-        std::max_element(cell.view[0].blend.begin(), cell.view[0].blend.end()) - cell.view[0].blend.begin();
-    CHECK(cell.single[std::size_t(best)] == 1);
   }
   CHECK(plan.cells.size() + plan.culledByCount + plan.culledByDistance + plan.culledByFrustum == scene.cells.size());
   CHECK(plan.culledByChoice == 0);
@@ -315,66 +312,8 @@ TEST_CASE("cells dissolve before they reach the limit, and the main cell is neve
   CHECK(last == 0);
 }
 
-TEST_CASE("backdrops: nearest first, then by direction, no more than the settings allow") {
-  Scene scene = stackedGrid();
-  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
-    Cell backdrop = cellOf(scene, {n});
-    scene.backdrops.push_back(backdrop);
-  }
-  REQUIRE(validate(scene).empty());
-  const FramePlan plan = planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1));
-  REQUIRE(plan.backdrops.size() >= 8);  // of 36
-  CHECK(plan.backdrops.size() <= 12);
-  CHECK(scene.nodes[scene.backdrops[plan.backdrops[0].backdrop].members[0]].name == "000");
-  double last = 0;
-  for (const PlannedBackdrop& b : plan.backdrops) {
-    const Camera& camera = scene.nodes[scene.backdrops[b.backdrop].members[0]].camera;
-    const double distance = glm::distance(camera.pose.position, plan.views[0].pose.position);
-    CHECK(distance >= last);
-    last = distance;
-  }
-  RenderSettings settings;
-  settings.lowestTier = kTierRejected;
-  CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}, 0.1), settings).backdrops.empty());
-}
-
-TEST_CASE("backdrops come before cells that are further away than twice their photograph, little by little") {
-  Scene scene;
-  for (const double x : {0.0, 2.0, 1.2}) scene.nodes.push_back({fmt::format("{}", x), cameraAt({x, 0, 0}), {}, {}});
-  scene.cells = {cellOf(scene, {0, 1})};
-  scene.backdrops = {cellOf(scene, {2}), cellOf(scene, {0})};
-  REQUIRE(validate(scene).empty());
-  RenderSettings settings;
-  const auto share = [&](glm::dvec3 position, std::uint32_t backdrop) {
-    const FramePlan plan = planOf(scene, cameraAt(position), settings);
-    REQUIRE(plan.cells.size() == 1);
-    const auto planned = std::ranges::find(plan.backdrops, backdrop, &PlannedBackdrop::backdrop);
-    REQUIRE(planned != plan.backdrops.end());
-    return shareBefore(plan, *planned, plan.cells[0]);
-  };
-  CHECK(share({1.2, 0, 0}, 0) == 1);  // inside, but the photographs that the cell shows are far away
-  CHECK(share({1.2, 0.2, 0}, 0) == 1);
-  CHECK(share({0.5, 0, 0}, 0) == 0);
-  for (const double x : {-0.6, -1e-9, 0.0, 1e-9, 0.1, 0.5}) CHECK(share({x, 0, 0}, 1) == 0);  // the cell shows it, too
-  double last = 1;
-  for (double x = 1.2; x > 0.5; x -= 0.002) {
-    const double now = share({x, 0, 0}, 0);
-    CHECK(now <= last + 1e-12);
-    CHECK(last - now < 0.2);
-    last = now;
-  }
-  FramePlan faint = planOf(scene, cameraAt({1.2, 0, 0}), settings);
-  faint.cells[0].opacity = 0.25;  // takes no more than it would show
-  CHECK(shareBefore(faint, faint.backdrops[0], faint.cells[0]) == 0.25);
-  settings.switchSeconds = 0;  // nothing dissolves
-  for (double x = 1.2; x > 0.5; x -= 0.01) CHECK((share({x, 0, 0}, 0) == 0 || share({x, 0, 0}, 0) == 1));
-  settings.colourMapping = ColourMapping::paper;  // whose sequence is one of cells
-  CHECK(share({1.2, 0, 0}, 0) == 0);
-}
-
 TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays the same") {
   Scene scene = stackedGrid();
-  scene.backdrops.push_back(cellOf(scene, {0}));
   const auto lowestTier = [&](const RenderSettings& settings) {
     return planOf(scene, cameraAt({0.1, 0, 0.1}), settings).settings.lowestTier;
   };
@@ -384,97 +323,11 @@ TEST_CASE("holes are not filled in a scene with a mask, and what is drawn stays 
   scene.nodes.back().maskFile = "mask.png";
   for (const Preset name : {Preset::fast, Preset::balanced, Preset::accurate, Preset::reference})
     for (const DeviceKind kind : {DeviceKind::software, DeviceKind::hardware})
-      CHECK(lowestTier(preset(name, kind)) == kTierBackdrop);
-  CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).backdrops.size() == filled.backdrops.size());
+      CHECK(lowestTier(preset(name, kind)) == kTierCompleted);
+  CHECK(planOf(scene, cameraAt({0.1, 0, 0.1}), balanced).cells.size() == filled.cells.size());
   RenderSettings few;
   few.lowestTier = kTierAgrees;
   CHECK(lowestTier(few) == kTierAgrees);
-}
-
-TEST_CASE("a backdrop passes a cell about half of its distance, over a twentieth of that distance") {
-  for (const double scale : {1e-3, 1.0, 1e4}) {  // world units
-    FramePlan plan;
-    PlannedCell cell;
-    cell.extrapolationDistance = 1.0 * scale;
-    cell.photographDistance = 3.0 * scale;  // a distance of 2 in all
-    const auto share = [&](double distance) {
-      PlannedBackdrop backdrop;
-      backdrop.distance = distance * scale;
-      return shareBefore(plan, backdrop, cell);
-    };
-    CHECK(share(0) == 1);
-    CHECK(share(0.94) == 1);
-    CHECK(share(0.95) == Approx(1));
-    CHECK(share(0.975) == Approx(0.75));
-    CHECK(share(1) == Approx(0.5));
-    CHECK(share(1.025) == Approx(0.25));
-    CHECK(share(1.05) == Approx(0).margin(1e-12));
-    CHECK(share(1.06) == 0);
-    plan.settings.switchSeconds = 0;  // nothing fades
-    CHECK(share(0.99) == 1);
-    CHECK(share(1.01) == 0);
-    cell = {};
-    CHECK(share(0) == 0);
-  }
-}
-
-TEST_CASE("backdrops change their order little by little, and none is missing meanwhile") {
-  Scene scene = stackedGrid();
-  for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) scene.backdrops.push_back(cellOf(scene, {n}));
-  const SceneBounds bounds = sceneBounds(scene);
-  RenderSettings settings;
-  settings.maxBackdrops = 6;
-  settings.switchSeconds = 0.3;
-  for (const double seconds : {settings.switchSeconds, 0.0}) {
-    settings.switchSeconds = seconds;
-    PlanState state;
-    bool faded = false;
-    for (int i = 0; i < 300; ++i) {
-      const glm::dvec3 position{1 + std::sin(0.07 * i), 0, 1 + std::cos(0.05 * i)};
-      const FramePlan plan = planFrame(scene, bounds, {{cameraAt(position, 0.04 * i)}, settings, 0.03}, state);
-      REQUIRE(plan.backdrops.size() == plan.next.backdrops.size());
-      std::map<std::uint32_t, double> before, now;  // largest opacity
-      for (const ShownMesh& shown : state.backdrops) before[shown.mesh] = std::max(before[shown.mesh], shown.opacity);
-      for (const PlannedBackdrop& b : plan.backdrops) now[b.backdrop] = std::max(now[b.backdrop], b.opacity);
-      for (const auto& [backdrop, opacity] : now) {
-        if (!std::ranges::binary_search(state.hiddenBackdrops, backdrop)) continue;
-        REQUIRE(std::abs(opacity - before[backdrop]) <= (seconds > 0 ? 0.1 + 1e-9 : 1));
-      }
-      RenderSettings atOnce = settings;
-      atOnce.switchSeconds = 0;
-      REQUIRE(2 * now.size() >= planOf(scene, plan.views[0], atOnce).backdrops.size());
-      const auto staying = std::ranges::count(plan.next.backdrops, false, &ShownMesh::leaving);
-      REQUIRE(staying <= std::ptrdiff_t(settings.maxBackdrops));
-      REQUIRE(std::ranges::any_of(plan.backdrops, [](const PlannedBackdrop& b) { return b.opacity == 1; }));
-      for (const PlannedBackdrop& b : plan.backdrops) faded |= b.opacity < 1;
-      state = plan.next;
-    }
-    CHECK(faded == (seconds > 0));
-  }
-}
-
-TEST_CASE("backdrops: a photograph is not left out where nothing nearer shows what it does") {
-  Scene scene;
-  const auto add = [&](glm::dvec3 position, double yaw) {
-    scene.nodes.push_back({fmt::format("{}", scene.nodes.size()), cameraAt(position, yaw), {}, {}});
-    scene.backdrops.push_back(cellOf(scene, {std::uint32_t(scene.nodes.size() - 1)}));
-  };
-  for (int i = 0; i < 20; ++i) add({0.01 * i, 0, 0}, 0.4 + 0.001 * i);
-  add({3, 0, 0}, -0.5);
-  REQUIRE(validate(scene).empty());
-  for (const std::uint32_t most : {2u, 6u, 12u}) {
-    RenderSettings settings;
-    settings.maxBackdrops = most;
-    const FramePlan plan = planOf(scene, cameraAt({0, 0, 0}), settings);
-    REQUIRE(plan.backdrops.size() == most);
-    CHECK(plan.backdrops.front().backdrop == 0);  // nearest first
-    CHECK(plan.backdrops.back().backdrop == 20);
-  }
-  RenderSettings settings;
-  settings.maxBackdrops = 0;
-  CHECK(planOf(scene, cameraAt({0, 0, 0}), settings).backdrops.empty());
-  settings.maxBackdrops = 64;
-  CHECK(planOf(scene, cameraAt({0, 0, 0}), settings).backdrops.size() == 21);
 }
 
 TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequence of colours") {
@@ -498,7 +351,7 @@ TEST_CASE("changes of the order fade in ours, and are cuts in the paper's sequen
   }
 }
 
-TEST_CASE("the hybrid draws two cells; chosen cells are drawn without a gather") {
+TEST_CASE("the hybrid draws two cells at most, which add to each other; chosen cells are drawn without a gather") {
   Scene scene = stackedGrid();
   for (const std::uint32_t n : {0u, 4u}) {
     Cell backdrop = cellOf(scene, {n});
@@ -510,13 +363,17 @@ TEST_CASE("the hybrid draws two cells; chosen cells are drawn without a gather")
   }
   const SceneBounds bounds = sceneBounds(scene);
   RenderSettings settings;
-  const auto plan = [&] { return planFrame(scene, bounds, {{cameraAt({0.3, 0, 0.2}, 0.1)}, settings}); };
+  const auto plan = [&](double yaw = 0.1) {
+    return planFrame(scene, bounds, {{cameraAt({0.3, 0, 0.2}, yaw)}, settings});
+  };
   const FramePlan cells = plan();
   REQUIRE(cells.cells.size() > 3);
   settings.composition = Composition::hybrid;
   const FramePlan hybrid = plan();
-  CHECK(hybrid.cells.size() == 2);
+  CHECK(hybrid.cells.size() == 1);  // the others show nothing that it does not
+  CHECK(hybrid.cells[0].cell == cells.cells[0].cell);
   CHECK(hybrid.photographs.size() == 2);
+  CHECK(plan(kPi / 4).cells.size() == 2);  // one to the left, one to the right
   settings.maxCells = 1;
   CHECK(plan().cells.size() == 1);
   settings.maxCells = 12;
@@ -527,16 +384,11 @@ TEST_CASE("the hybrid draws two cells; chosen cells are drawn without a gather")
     CHECK(solo.settings.composition == Composition::cells);
     CHECK(solo.photographs.empty());
     CHECK(solo.cells.size() == 3);
-    CHECK(solo.backdrops.empty());
   }
 }
 
 TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and in") {
-  Scene scene = stackedGrid();
-  for (std::uint32_t n : {0u, 4u}) {
-    Cell backdrop = cellOf(scene, {n});
-    scene.backdrops.push_back(backdrop);
-  }
+  const Scene scene = stackedGrid();
   const SceneBounds bounds = sceneBounds(scene);
   const Camera view = cameraAt({0.3, 0, 0.2}, 0.1);
   const auto plan = [&](const RenderSettings& settings, const PlanState& state = {}) {
@@ -544,7 +396,6 @@ TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and
   };
   const FramePlan all = plan({});
   REQUIRE(all.cells.size() > 3);
-  REQUIRE(all.backdrops.size() == 2);
   const std::uint32_t main = all.cells[0].cell, second = all.cells[1].cell;
 
   RenderSettings muted;
@@ -552,7 +403,6 @@ TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and
   const FramePlan without = plan(muted);
   CHECK(without.culledByChoice == 1);
   CHECK(without.cells[1].cell == plan({}).cells[2].cell);
-  CHECK(without.backdrops.size() == 2);
   RenderSettings few = muted;  // what is muted takes nobody's place
   few.maxCells = 2;
   CHECK(plan(few).cells.size() == 2);
@@ -579,13 +429,9 @@ TEST_CASE("cells that are muted or drawn alone are not planned, and fade out and
   RenderSettings solo;
   solo.soloCells = {main, 1000};
   CHECK(plan(solo).cells.size() == 1);
-  CHECK(plan(solo).backdrops.empty());
   next = plan(solo, all.next);
-  REQUIRE(next.backdrops.size() == 2);
-  CHECK(next.backdrops[0].opacity == Approx(0.6));
+  CHECK(!next.leaving.empty());
   for (int i = 0; i < 3; ++i) next = plan(solo, next.next);
-  CHECK(next.backdrops.empty());
   CHECK(next.leaving.empty());
-  next = plan({}, next.next);
-  CHECK(next.backdrops.size() == 2);
+  CHECK(next.cells.size() == 1);
 }

@@ -39,7 +39,6 @@ bool finite(const PlannedCell& cell) {
   bool all = std::isfinite(cell.extrapolationDistance) && std::isfinite(cell.rotationalDistance) &&
              std::isfinite(cell.photographDistance) && cell.opacity >= 0 && cell.opacity <= 1 &&
              finite(cell.correction.pivot) && finite(cell.correction.shift);
-  for (const double single : cell.single) all = all && single >= 0 && single <= 1;
   for (const PlannedCell::View& view : cell.view)
     for (std::size_t m = 0; m < 4; ++m)
       all = all && std::isfinite(view.position[m]) && view.blend[m] >= 0 && view.blend[m] <= 1;
@@ -53,7 +52,7 @@ bool finite(const FramePlan& plan) {
              (!plan.next.exposure || finite(*plan.next.exposure));
   for (const PlannedCell& cell : plan.cells) all = all && finite(cell);
   for (const PlannedCell& cell : plan.former) all = all && finite(cell);
-  for (const ShownMesh& mesh : plan.next.cells) all = all && mesh.opacity >= 0 && mesh.opacity <= 1;
+  for (const ShownCell& cell : plan.next.cells) all = all && cell.opacity >= 0 && cell.opacity <= 1;
   return all;
 }
 

@@ -89,17 +89,12 @@ class BackdropMesh {
   void addTriangles() {
     std::vector<glm::dvec2> places;
     for (const Point& point : points_) places.push_back(point.at);
-    std::vector<glm::uvec3> open;
     for (const glm::uvec3& t : delaunayTriangles(places)) {
-      if (!isStretched(t)) {
-        add(t, kTierAgrees);
-      } else if (points_[t[0]].isKnown && points_[t[1]].isKnown && points_[t[2]].isKnown) {
+      if (!isStretched(t))
+        add(t);
+      else if (points_[t[0]].isKnown && points_[t[1]].isKnown && points_[t[2]].isKnown)
         split(t);
-      } else {
-        open.push_back(t);
-      }
     }
-    for (const glm::uvec3& t : open) add(t, kTierRejected);
   }
 
   MorphMesh take() && { return std::move(mesh_); }
@@ -111,9 +106,9 @@ class BackdropMesh {
     bool isKnown;
   };
 
-  void add(const glm::uvec3& t, Tier tier) {
+  void add(const glm::uvec3& t) {
     mesh_.triangles.push_back(t);
-    mesh_.tier.push_back(tier);
+    mesh_.tier.push_back(kTierAgrees);
     mesh_.ecc.push_back(1.0f);
   }
 
@@ -157,9 +152,9 @@ class BackdropMesh {
     for (const int i : {1, 2})
       if (difference(i) < difference(apart)) apart = i;
     const unsigned a = t[apart], b = t[(apart + 1) % 3], c = t[(apart + 2) % 3];
-    add({a, halfway(a, b), halfway(a, c)}, kTierAgrees);
-    add({halfway(b, a), b, c}, kTierAgrees);
-    add({halfway(b, a), c, halfway(c, a)}, kTierAgrees);
+    add({a, halfway(a, b), halfway(a, c)});
+    add({halfway(b, a), b, c});
+    add({halfway(b, a), c, halfway(c, a)});
   }
 
   const Intrinsics& stored_;

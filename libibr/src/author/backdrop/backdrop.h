@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A photograph's backdrop (tier 2; ARCHITECTURE §5, "Tiers"): the whole picture as a mesh of one member.
+// A photograph's backdrop: its depth as a mesh of one member, which votes for the depth of views
+// (Composition::gathered).
 //
 //   1. depth completed (complete_depth.h)
 //   2. vertices by quadtree, where parallax is not linear; more along the picture's border and in its corners, so that
 //      the Delaunay triangles fill it exactly
 //   3. triangles stretched across an edge of known depth are split: both surfaces go on to where it jumps. Where depth
-//      was completed they become tier 1 of the mesh: they close it, and are drawn after the others of all backdrops,
-//      since another photograph may see what is behind
+//      was completed they are left out, since another photograph may see what is behind
 #pragma once
 
 #include "author/mesh/mesh.h"

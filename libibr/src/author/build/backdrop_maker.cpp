@@ -21,7 +21,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 6;  // of their making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 7;  // of their making: raise it when they come out differently
 
 // Share of the capture spacing: depth edges are cut that tear when a view is so far from the photograph. Gathered views
 // win .3 dB on object_vespasian by it and lose .2 dB on street.
@@ -98,16 +98,6 @@ double BackdropMaker::bytes() const {
   for (const Photograph& photo : input_.photographs) {
     const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
     most = std::max(most, kBackdropBytesPerPixel * finerPixels(options_.depth) * size.x * size.y + bytesToLoad(photo));
-  }
-  return most;
-}
-
-double BackdropMaker::bytesOfDepth() const {
-  double most = 0;
-  for (std::size_t i = 0; i < cellsWith_.size(); ++i) {
-    const glm::ivec2 size = backdropSize(input_.photographs[i].camera.intrinsics);
-    const double maps = double(std::max<std::size_t>(cellsWith_[i].size(), 1)) + 1;  // one a cell, and their median
-    most = std::max(most, double(sizeof(float)) * maps * size.x * size.y);
   }
   return most;
 }

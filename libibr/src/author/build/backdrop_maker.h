@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One photograph's backdrop (tier 2) and depth texture after another, from the depth of all.
+// One photograph's backdrop and depth texture after another, from the depth of all.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,8 @@ class BackdropMaker {
   /// from several threads. Throws Error.
   MadeBackdrop make(std::uint32_t photograph, const PhotographDepth& depth) const;
 
-  /// The memory that making one takes at most, and that finding one photograph's depth does.
+  /// The memory that making one takes at most.
   double bytes() const;
-  double bytesOfDepth() const;
 
  private:
   const BuildInput& input_;

@@ -94,13 +94,12 @@ class Predictor {
   }
 
  private:
-  bool findsDepth() const { return options_.depth != DepthSearch::fast; }
-
   void countDepth(const Photograph& photo) {
     reading_ = std::max(reading_, bytesToReadViews(photo));
+    const double sweptShare = options_.depth == DepthSearch::fast ? kFastSides * kFastSides : 1;
     for (const DepthView& view : depthViews({&photo.camera, 1})) {
       const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
-      const double pixels = double(swept.x) * swept.y;
+      const double pixels = sweptShare * swept.x * swept.y;
       work_.sweptPixels += pixels;
       depths_ += kHeldBytesPerPixel * pixels;
       sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
@@ -121,9 +120,8 @@ class Predictor {
       loading_ = std::max(loading_, bytesToLoad(photo));
       const glm::ivec2 size = backdropSize(k);
       const double whole = double(size.x) * size.y, finer = finerPixels(options_.depth);
-      if (findsDepth() || options_.backdrops || work_.exposures)
-        depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
-      if (findsDepth()) countDepth(photo);
+      depths_ += kDepthBytesPerPixel * finer * whole;  // of panoramas their faces have so many
+      countDepth(photo);
       if (!options_.backdrops) continue;
       ++work_.backdrops;
       work_.backdropPixels += double(size.x) * size.y;
@@ -132,7 +130,7 @@ class Predictor {
       const double completed = (isPanorama(photo) ? 1 : finer) * whole;
       completing_ = std::max(completing_, bytesToLoad(photo) + kBackdropBytesPerPixel * completed);
     }
-    work_.refinements = options_.depth == DepthSearch::swept ? 0 : finerPixels(options_.depth);
+    work_.refinements = options_.depth < DepthSearch::refined ? 0 : finerPixels(options_.depth);
     made_.megapixels = work_.storedPixels / 1e6;
     made_.backdrops = work_.backdrops;
   }
@@ -210,11 +208,10 @@ class Predictor {
     side.storing = threads(storing_, 0, photographs);
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
     if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
-    side.cells = threads(matching_, kept_ + (findsDepth() ? depths_ : 0), std::max<std::size_t>(work_.cells.size(), 1));
+    side.cells = threads(matching_, kept_ + depths_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + depths_ + bytesToCompareExposures(work_), photographs);
-    if (findsDepth()) threads(reading_, kept_ + depths_, photographs);
-    if (findsDepth() || options_.backdrops)
-      side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, photographs);
+    threads(reading_, kept_ + depths_, photographs);
+    side.backdrops = threads(std::max(completing_, sweeping_), kept_ + depths_, photographs);
     made_.threads = side.cells;
     made_.memory = most;
     const MachineSpeed speed = measureSpeed(side.cells);

@@ -65,11 +65,9 @@ class Builder {
     report_.dropped = plan_.dropped;
     warnOfEmptyPlan();
     describe();
-    std::vector<PhotographDepth> depths;
-    if (!options_.refinePoses || !refineByCells()) {
-      if (options_.depth != DepthSearch::fast) depths = findDepths();
-      makeCells(depths);
-    }
+    if (options_.refinePoses) refineByCells();
+    std::vector<PhotographDepth> depths = findDepths();
+    makeCells(depths);
     useDepths(std::move(depths));
     listUnused();
     if (options_.finish) finish();
@@ -167,30 +165,19 @@ class Builder {
     report_.refinement = refinePoses(input_, scene_.cells);
   }
 
-  // By swept cells, which look for matches where depth would have none yet. Whether they are the scene's.
-  bool refineByCells() {
-    if (input_.refine) makeCells({});
-    if (movePoses() || !input_.refine) return false;
-    if (options_.depth == DepthSearch::fast) return true;
-    forgetCells();
-    return false;
-  }
-
-  // Whether any did.
-  bool movePoses() {
+  // By swept cells, which look for matches where depth would have none yet; they are not the scene's.
+  void refineByCells() {
     const fs::path folder = options_.output / ".refined";
     std::error_code ignored;
     if (!fs::equivalent(folder, posesFile(options_), ignored)) fs::remove_all(folder, ignored);  // of a build before
-    if (input_.refine) refine();
-    if (report_.refinement.moved.empty()) return false;
-    writeColmapModel(input_.model, folder);
-    for (std::size_t n = 0; n < scene_.nodes.size(); ++n) scene_.nodes[n].camera = input_.photographs[n].camera;
-    planCells();
-    forgetCells();
-    return true;
-  }
-
-  void forgetCells() {
+    if (!input_.refine) return;
+    makeCells({});
+    refine();
+    if (!report_.refinement.moved.empty()) {
+      writeColmapModel(input_.model, folder);
+      for (std::size_t n = 0; n < scene_.nodes.size(); ++n) scene_.nodes[n].camera = input_.photographs[n].camera;
+      planCells();
+    }
     scene_.cells.clear();
     failure_.clear();
     report_.cells.clear();
@@ -364,7 +351,6 @@ class Builder {
   // All photographs' depth takes much memory: none is held any longer.
   void useDepths(std::vector<PhotographDepth> depths) {
     if (!options_.backdrops && !options_.matchExposures && !options_.fitVignetting) return;
-    if (options_.depth == DepthSearch::fast) depths = findDepths();
     const BackdropMaker maker(input_, options_, scene_);
     takeExposures(depths);
     if (options_.backdrops) makeBackdrops(maker, depths);
@@ -378,24 +364,18 @@ class Builder {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
       pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finerPixels(options_.depth) * size.x * size.y);
     }
-    std::optional<DepthMatcher> matcher;
-    DepthMatches matches;
-    std::optional<double> residualPx;
-    if (options_.depth != DepthSearch::fast) {
-      matcher.emplace(input_, options_, jobs_);
-      matches = [&matcher](std::size_t view) { return matcher->match(view); };
-      residualPx = storedResidualPx();
-    }
-    const double bytesEach = matcher ? matcher->bytesToMatch() : BackdropMaker(input_, options_, scene_).bytesOfDepth();
+    const DepthMatcher matcher(input_, options_, jobs_);
     std::size_t run = 0;
+    std::vector<Camera> cameras;
+    for (const Photograph& photo : input_.photographs) cameras.push_back(photo.camera);
     return depthOfPhotographs(
-        scene_,
-        {.matches = matches,
+        cameras,
+        {.matches = [&](std::size_t view) { return matcher.match(view); },
          .points = [&](std::uint32_t photograph) { return pointsSeenBy(input_, photograph); },
-         .residualPx = residualPx,
+         .residualPx = storedResidualPx(),
          .depths =
              [&](std::size_t count, const auto& job) {
-               jobs_.runAll("finding depth", count, bytesEach, job, kDepthBytesPerPixel * pixels);
+               jobs_.runAll("finding depth", count, matcher.bytesToMatch(), job, kDepthBytesPerPixel * pixels);
              },
          .evidence =
              [&](std::size_t count, const auto& job) {

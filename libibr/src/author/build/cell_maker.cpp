@@ -210,7 +210,7 @@ CellWork CellMaker::work(const std::vector<std::uint32_t>& members) const {
   Camera frame = meanFrame(cameras);
   const Intrinsics& k = frame.intrinsics;
   work.pixels = double(k.width) * k.height;
-  const bool swept = options_.depth == DepthSearch::fast || (options_.refinePoses && input_.refine);
+  const bool swept = options_.refinePoses && input_.refine;
   if (!swept) return work;
   std::vector<double> depths;
   for (const glm::dvec3& point : sharedPoints(input_, members).points)

@@ -22,7 +22,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 7;   // of the depth's making: raise it when it comes out differently
+constexpr std::uint64_t kVersion = 8;   // of the depth's making: raise it when it comes out differently
 constexpr const char* kKind = "depth";  // of kept file
 constexpr int kRefinedWindow = 5;       // px of these: half a patch, and one of interpolation
 
@@ -144,11 +144,12 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
   for (std::size_t v = first; v < views_.size() && views_[v].node == views_[first].node; ++v) {
     const Camera& stored = views_[v].camera;
     const glm::ivec2 size = sweptSize(stored.intrinsics), whole(stored.intrinsics.width, stored.intrinsics.height);
+    const double share = options_.depth == DepthSearch::fast ? kFastSides : 1;
     const auto picture = [&](glm::ivec2 at, int window) -> Picture {
       const Camera camera{resized(stored.intrinsics, at.x, at.y), stored.pose};
       return {camera, greyOf(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
     };
-    small_[v] = picture(size, kSweptWindow);
+    small_[v] = picture(glm::max(glm::ivec2(share * glm::dvec2(size)), 1), kSweptWindow);
     if (isRefined()) fine_[v] = picture(glm::min(kFinerSides * size, whole), kRefinedWindow);
   }
 }
@@ -194,6 +195,10 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), range);
   const Image8& fine = fine_[view].grey;
   if (options_.depth == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
+  if (options_.depth == DepthSearch::fast) {
+    const glm::ivec2 size = sweptSize(views_[view].camera.intrinsics);
+    depth = enlarged(depth, size.x, size.y);
+  }
   if (isRefined()) refineDepth(depth, fine_[view].view(), viewsOf(fine_, sources));
   storeDepth(file, depth);
   return depth;

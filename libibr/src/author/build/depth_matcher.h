@@ -19,6 +19,8 @@ namespace ibr {
 
 /// The size at which a view's depth is matched: half of that of matchedCamera, at most backdropSize.
 glm::ivec2 sweptSize(const Intrinsics& stored);
+/// Sides of the pictures that DepthSearch::fast sweeps, of those of sweptSize.
+inline constexpr double kFastSides = 0.5;
 /// Sides of the pictures that depth is refined in, in those of sweptSize, if the photograph is as large.
 inline constexpr int kFinerSides = 2;
 /// Pixels of a view's depth, at most, by those that it is swept at.
@@ -55,7 +57,7 @@ class DepthMatcher {
 
   // Inverse depths of what a view sees, along its axis.
   std::vector<double> tracksSeenBy(std::size_t view) const;
-  bool isRefined() const { return options_.depth != DepthSearch::swept; }
+  bool isRefined() const { return options_.depth >= DepthSearch::refined; }
   static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const;
 
@@ -65,7 +67,7 @@ class DepthMatcher {
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;
   bool fromInfinity_ = false;          // most views of the scene reach it: those that look up at roofs see the sky too
-  std::vector<Picture> small_, fine_;  // of the views: to sweep, and to refine, if so
+  std::vector<Picture> small_, fine_;  // of the views: to sweep, and to refine (isRefined)
 };
 
 }  // namespace ibr

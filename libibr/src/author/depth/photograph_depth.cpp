@@ -8,7 +8,7 @@
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
+#include "author/backdrop/known_depth.h"
 #include "author/depth/depth_views.h"
 #include "author/sweep/depth_clean.h"
 #include "base/check.h"
@@ -71,25 +71,14 @@ struct FoundDepth {
   bool sparse = false;
 };
 
-// Of a panorama's face as fine as the panorama's depth.
-Camera sizedForCells(const DepthView& view, const Intrinsics& stored) {
-  const glm::ivec2 size = backdropSize(stored);
-  return sizedAs(view.camera, view.isFace ? glm::ivec2(depthFaceSize(size.x)) : size);
-}
-
-FoundDepth depthOf(const Scene& scene, std::span<const DepthView> views, std::size_t which, bool isInCell,
+FoundDepth depthOf(std::span<const Camera> photographs, const DepthView& view, std::size_t which,
                    const PhotographDepthOptions& options) {
-  const DepthView& view = views[which];
-  if (options.matches)
-    if (std::optional<SweptDepth> swept = options.matches(which))
-      return {{sizedAs(view.camera, {swept->inverseDepth.width, swept->inverseDepth.height}),
-               std::move(swept->inverseDepth)},
-              std::move(swept->sky)};
-  const Camera camera = sizedForCells(view, scene.nodes[view.node].camera.intrinsics);
-  const Intrinsics& k = camera.intrinsics;
-  if (isInCell)
-    return {{camera, view.isFace ? depthInScene(scene, view.node, camera)
-                                 : depthInScene(scene, view.node, {k.width, k.height})}};
+  if (std::optional<SweptDepth> swept = options.matches(which))
+    return {
+        {sizedAs(view.camera, {swept->inverseDepth.width, swept->inverseDepth.height}), std::move(swept->inverseDepth)},
+        std::move(swept->sky)};
+  const glm::ivec2 size = backdropSize(photographs[view.node].intrinsics);  // a face is as fine as the panorama
+  const Camera camera = sizedAs(view.camera, view.isFace ? glm::ivec2(depthFaceSize(size.x)) : size);
   const auto points = options.points ? options.points(view.node) : std::vector<glm::dvec3>{};
   return {{camera, depthOfPoints(camera, points)}, {}, true};
 }
@@ -135,32 +124,20 @@ glm::ivec2 pixelOfDepth(const ImageF& map, glm::dvec2 at, double inverseDepth) {
 
 }  // namespace
 
-double medianResidualPx(const Scene& scene) {
-  std::vector<double> residuals;
-  for (const Cell& cell : scene.cells) residuals.push_back(cell.quality.residualPx);
-  const double middle = median(std::move(residuals));
-  return std::isfinite(middle) ? middle : 0;
-}
-
-std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options) {
-  if (scene.nodes.empty()) return {};
-  std::vector<Camera> cameras;
-  for (const Node& node : scene.nodes) cameras.push_back(node.camera);
+std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> cameras,
+                                                const PhotographDepthOptions& options) {
+  if (cameras.empty()) return {};
   const std::vector<DepthView> views = depthViews(cameras);
-  std::vector<bool> inCell(scene.nodes.size(), false);
-  for (const Cell& cell : scene.cells)
-    for (const std::uint32_t member : cell.members) inCell[member] = true;
-  const double spacing = captureSpacing(cameras),
-               residualPx = options.residualPx ? *options.residualPx : medianResidualPx(scene);
+  const double spacing = captureSpacing(cameras);
   std::vector<FoundDepth> found(views.size());
   std::vector<ConsistentDepth> matched(views.size());
   const JobRunner runDepths = options.depths ? options.depths : runInTurn,
                   runEvidence = options.evidence ? options.evidence : runInTurn;
   runDepths(views.size(), [&](std::size_t i) {
-    found[i] = depthOf(scene, views, i, inCell[views[i].node], options);
+    found[i] = depthOf(cameras, views[i], i, options);
     const double storedFocal = pxARadian(cameras[views[i].node].intrinsics);
     const double scale = found[i].map.camera.intrinsics.fx / storedFocal;
-    matched[i] = {std::move(found[i].map), kStepPx / (storedFocal * spacing), residualPx * scale};
+    matched[i] = {std::move(found[i].map), kStepPx / (storedFocal * spacing), options.residualPx * scale};
   });
   std::vector<DepthEvidence> evidence = depthEvidence(matched, kDepthSources, runEvidence);
 

@@ -2,8 +2,7 @@
 // Depth of a scene's photographs, at backdropSize or the size that it was matched at, with the evidence that the other
 // photographs give. Of a panorama it is found face by face (panorama_depth.h), and ρ is along the ray.
 //
-//   depth     as it was matched (photograph_sweep.h). Where it was not: of each cell with the photograph the nearest
-//             surface of tier 0, of all cells the median (scene_depth.h); of a photograph in no cell its points
+//   depth     as it was matched (photograph_sweep.h); of a photograph that was not its points
 //   evidence  confirmations c and contradictions v (depth_consistency.h)
 //   kept      c >= 2, or c >= 1 and c > v, or no other photograph could have confirmed it, or sky; and that in
 //             surfaces of kLeastSurface px at least, but for points
@@ -14,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "author/depth/panorama_depth.h"
@@ -42,18 +42,16 @@ using DepthMatches = std::function<std::optional<SweptDepth>(std::size_t view)>;
 using PhotographPoints = std::function<std::vector<glm::dvec3>(std::uint32_t node)>;
 
 struct PhotographDepthOptions {
-  DepthMatches matches = {};              // empty: of the scene's cells
-  PhotographPoints points = {};           // of a photograph that no cell has; empty: nothing is known of its depth
-  std::optional<double> residualPx = {};  // of the poses, px of the stored photographs; nullopt: of the cells
-  JobRunner depths, evidence;             // run the jobs of both steps; empty: one after the other
+  DepthMatches matches;          // of every view
+  PhotographPoints points = {};  // of a photograph without a match; empty: nothing is known of its depth
+  double residualPx = 0;         // of the poses, px of the stored photographs
+  JobRunner depths, evidence;    // run the jobs of both steps; empty: one after the other
 };
 
-/// Median over the cells of their reprojection residual, px of the stored photographs; 0 where no cell states one.
-double medianResidualPx(const Scene& scene);
-
-/// Of all photographs, in the order of the nodes. Does not depend on the order in which jobs are run. 8 bytes a pixel.
-/// Throws what the runners throw.
-std::vector<PhotographDepth> depthOfPhotographs(const Scene& scene, const PhotographDepthOptions& options = {});
+/// Of all photographs, in their order. Does not depend on the order in which jobs are run. 8 bytes a pixel. Throws what
+/// the runners throw.
+std::vector<PhotographDepth> depthOfPhotographs(std::span<const Camera> photographs,
+                                                const PhotographDepthOptions& options);
 
 /// The depth as far as it is kept; kUnknownDepth elsewhere.
 ImageF keptDepth(const PhotographDepth& depth);

@@ -6,29 +6,29 @@
 #include <glm/geometric.hpp>
 #include <list>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
 #include "author/eval/exposed_picture.h"
 #include "author/eval/lumigraph.h"
 #include "author/geometry/posed_model.h"
 #include "base/check.h"
 #include "image/bilinear.h"
+#include "image/depth_texture.h"
+#include "image/ktx2.h"
 #include "io/image_file.h"
 #include "scene/reprojection.h"
 
 namespace ibr {
 namespace {
 
-constexpr int kProxySide = 1024;          // px, longest side of a view's proxy
-constexpr std::size_t kProxyMaps = 8;     // photographs whose depth it is made from
-constexpr std::size_t kPhotographs = 24;  // that are looked at for a view
-constexpr std::size_t kVotes = 6;         // photographs that a place in the view votes for
+constexpr int kProxySide = 1024;            // px, longest side of a view's proxy
+constexpr std::size_t kProxyMaps = 8;       // photographs whose depth it is made from
+constexpr std::size_t kPhotographs = 24;    // that are looked at for a view
+constexpr std::size_t kVotes = 6;           // photographs that a place in the view votes for
+constexpr float kMatchedConsensus = 0.15f;  // of depth; what was completed has less (author/depth/photograph_depth.h)
 
 Camera scaledCamera(Camera camera, glm::ivec2 size) {
   camera.intrinsics = resized(camera.intrinsics, size.x, size.y);
@@ -91,26 +91,25 @@ struct Baselines::State {
     return exposure ? exposedPicture(picture, *exposure * scene.nodes[node].gain) : picture;
   }
 
-  // What cells matched, and with `complete` the rest as backdrops have it.
-  const DepthMap& matched(std::uint32_t node) {
-    const auto found = matchedMaps.find(node);
-    if (found != matchedMaps.end()) return found->second;
-    const Camera& stored = scene.nodes[node].camera;
-    const glm::ivec2 size = backdropSize(stored.intrinsics);
-    return matchedMaps.emplace(node, DepthMap{scaledCamera(stored, size), depthInScene(scene, node, size)})
-        .first->second;
-  }
-  const DepthMap& completed(std::uint32_t node) {
-    const auto found = completedMaps.find(node);
-    if (found != completedMaps.end()) return found->second;
-    DepthMap map = matched(node);
-    const Image8& picture = photographs.picture(node);
-    Image8 colours(map.inverseDepth.width, map.inverseDepth.height, 3);
-    const cv::Mat from(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.values.data()));
-    cv::Mat to(colours.height, colours.width, CV_8UC3, colours.values.data());
-    cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
-    map.inverseDepth = completeDepth(map.inverseDepth, colours);
-    return completedMaps.emplace(node, std::move(map)).first->second;
+  // Depth as far as it was matched, and with what was completed. At infinity where the scene has no depth.
+  struct NodeDepth {
+    DepthMap matched, completed;
+  };
+  const NodeDepth& depthOf(std::uint32_t n) {
+    const auto found = depths.find(n);
+    if (found != depths.end()) return found->second;
+    const Node& node = scene.nodes[n];
+    if (node.depthFile.empty()) {
+      const Camera camera = scaledCamera(node.camera, {1, 1});
+      return depths.emplace(n, NodeDepth{{camera, ImageF(1, 1, 1, kUnknownDepth)}, {camera, ImageF(1, 1, 1, 0.0f)}})
+          .first->second;
+    }
+    DepthMaps maps = readDepthTexture(readKtx2(scene.folder / node.depthFile), node.depthScale);
+    const Camera camera = scaledCamera(node.camera, {maps.inverseDepth.width, maps.inverseDepth.height});
+    NodeDepth depth{{camera, maps.inverseDepth}, {camera, std::move(maps.inverseDepth)}};
+    for (std::size_t p = 0; p < maps.consensus.values.size(); ++p)
+      if (maps.consensus.values[p] < kMatchedConsensus) depth.matched.inverseDepth.values[p] = kUnknownDepth;
+    return depths.emplace(n, std::move(depth)).first->second;
   }
 
   double distanceTo(const Camera& view, std::uint32_t node) const {
@@ -141,7 +140,7 @@ struct Baselines::State {
   }
   std::vector<glm::dvec4> pointsOf(std::uint32_t node) {
     constexpr int kSpacing = 3;  // enough for a median
-    const DepthMap& map = matched(node);
+    const DepthMap& map = depthOf(node).matched;
     std::vector<glm::dvec4> points;
     for (int y = 0; y < map.inverseDepth.height; y += kSpacing)
       for (int x = 0; x < map.inverseDepth.width; x += kSpacing) {
@@ -219,7 +218,7 @@ struct Baselines::State {
   Image8 lumigraph(const Camera& view) {
     const std::vector<std::uint32_t> chosen = candidates(view);
     std::vector<const DepthMap*> maps;
-    for (const std::uint32_t node : chosen) maps.push_back(&completed(node));
+    for (const std::uint32_t node : chosen) maps.push_back(&depthOf(node).completed);
     const double scale = std::min(1.0, double(kProxySide) / std::max(view.intrinsics.width, view.intrinsics.height));
     const Camera small = scaledCamera(
         view, {std::max(1, int(view.intrinsics.width * scale)), std::max(1, int(view.intrinsics.height * scale))});
@@ -235,7 +234,7 @@ struct Baselines::State {
   double typicalInverseDistance = 0;
   PhotographCache photographs;
   std::optional<glm::dvec3> exposure;
-  std::map<std::uint32_t, DepthMap> matchedMaps, completedMaps;
+  std::map<std::uint32_t, NodeDepth> depths;
 };
 
 Baselines::Baselines(const Scene& scene, const BaselineOptions& options)

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
+#include "author/backdrop/known_depth.h"
 #include "author/geometry/mean_frame.h"
 #include "author/movers/familiar.h"
 #include "author/photographs/masks.h"

@@ -14,7 +14,7 @@ namespace ibr {
 namespace {
 
 struct Constants {
-  float tier, rank, extrapolation;
+  float rank, extrapolation;
 };
 
 constexpr std::array kBlends{BlendMode::blend};  // colours are told apart, not blended
@@ -31,8 +31,8 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
   const std::array<VkDescriptorSetLayout, 2> sets{cells.frameLayout(), cells.scene().sets.layout()};
   const VkPushConstantRange constants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(Constants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
-  const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, kBlends))
+  for (const GpuScene::State::Mesh& cell : cells.scene().cells)
+    for (const CellVariant& variant : variantsOf(cell, requirements.dissolve, kBlends))
       for (const bool depth : {false, true}) {
         const Key key{variant, depth};
         if (!(depth ? requirements.depthOrder : requirements.painters) || pipelines_.contains(key)) continue;
@@ -45,9 +45,6 @@ BufferPass::BufferPass(const Device& device, const CellPass& cells, const Uncert
                                                   .colourFormats = kBufferFormats,
                                                   .depthFormat = Canvas::kDepthFormat}));
       }
-  };
-  for (const GpuScene::State::Mesh& cell : cells.scene().cells) require(cell, requirements.dissolve);
-  for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(backdrop, requirements.dissolve);
 }
 
 void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, const BufferTargets& targets,
@@ -72,7 +69,7 @@ void BufferPass::record(VkCommandBuffer commands, const FramePlan& plan, std::si
   cells_->bind(commands, layout_.get());
   cells_->eachStep(
       commands, plan, Order::current, view, targets.extent, [&](const Step& step, std::uint32_t parameter) {
-        const Constants constants{float(step.tier), float(step.rank), step.extrapolation};
+        const Constants constants{float(step.rank), step.extrapolation};
         const VkBuffer buffer = uncertainties_->get();
         const VkDeviceSize offset = uncertainties_->offset(*step.mesh);
         vkCmdBindVertexBuffers(commands, 1, 1, &buffer, &offset);

@@ -43,8 +43,7 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
     member.principal = {float(k.cx / k.width), float(k.cy / k.height)};
     member.position = float(step.weights.position[i]);
     member.blend = float(step.weights.blend[i]);
-    if (step.mesh->masked && step.tier == kTierAgrees)
-      member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
+    if (step.mesh->masked) member.blend = std::max(member.blend, shader::kLeastMaskedWeight);
     member.layer = step.mesh->layers[i];
     shift += step.weights.position[i] * (camera.pose.position - eye.pose.position);
   }
@@ -54,9 +53,8 @@ shader::CellParameters cellParameters(const FramePlan& plan, std::size_t view, c
   // Vulkan's clip space: x right, y down, both −1 to 1 over the picture.
   cell.projection = {float(2.0 * k.fx / k.width), float(2.0 * k.cx / k.width - 1.0), float(-2.0 * k.fy / k.height),
                      float(2.0 * k.cy / k.height - 1.0)};
-  cell.unitRays = plan.settings.morph == Morph::paper && step.tier != kTierBackdrop;
+  cell.unitRays = plan.settings.morph == Morph::paper;
   cell.detail = shader::kFinerDetail / float(plan.settings.textureScale);
-  cell.alpha = (255.0f - 64.0f * float(step.tier)) / 255.0f;
   cell.table = step.table;
   cell.opacity = step.opacity;
   cell.noise = noiseOffset(plan, view);

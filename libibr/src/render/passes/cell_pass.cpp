@@ -59,8 +59,8 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
 
   const std::array<VkDescriptorSetLayout, 2> layouts{frameLayout_.get(), scene_->sets.layout()};
   layout_ = makePipelineLayout(device, layouts, {});
-  const auto require = [&](const GpuScene::State::Mesh& mesh, bool mayDissolve) {
-    for (const CellVariant& variant : variantsOf(mesh, mayDissolve, options.blends))
+  for (const GpuScene::State::Mesh& cell : scene_->cells)
+    for (const CellVariant& variant : variantsOf(cell, options.dissolve, options.blends))
       for (const bool depth : {false, true})
         for (const bool mapped : {false, true})
           for (const bool eyes : {false, true}) {
@@ -75,9 +75,6 @@ CellPass::CellPass(Device& device, const GpuScene& scene, VkRenderPass renderPas
             }
             pipelines_.emplace(key, makeCellPipeline(device, variant, info));
           }
-  };
-  for (const GpuScene::State::Mesh& cell : scene_->cells) require(cell, options.dissolve);
-  for (const GpuScene::State::Mesh& backdrop : scene_->backdrops) require(backdrop, options.dissolve);
 }
 
 std::uint32_t CellPass::firstParameter(Order order, std::size_t view) const noexcept {
@@ -156,7 +153,7 @@ void CellPass::drawStep(VkCommandBuffer commandBuffer, VkPipelineLayout layout, 
                           &step.mesh->photographs, 0, nullptr);
   const VkBuffer vertices = scene_->vertices.get();
   vkCmdBindVertexBuffers(commandBuffer, 0, 1, &vertices, &step.mesh->vertexOffset);
-  vkCmdDrawIndexed(commandBuffer, step.range.indexCount, 1, step.range.firstIndex, 0,
+  vkCmdDrawIndexed(commandBuffer, step.mesh->indices.count, 1, step.mesh->indices.first, 0,
                    parameter);  // the instance finds the parameters
 }
 

@@ -32,27 +32,24 @@ struct Constants {  // specialisation constants of the cell shaders
 }  // namespace
 
 CellVariant variantOf(const Step& step, BlendMode blend) noexcept {
-  const std::size_t members = step.mesh->cameras.size();
-  return {.members = members,
+  return {.members = step.mesh->cameras.size(),
           .panoramas = step.mesh->panoramas,
           .cubic = step.mesh->cubic,
           .masked = step.mesh->masked,
           .onePage = step.mesh->onePage,
           .dissolve = step.opacity < 1.0f,
           .exposed = step.mesh->exposed,
-          .blend = members == 1 ? BlendMode::blend : blend};
+          .blend = blend};
 }
 
 std::vector<CellVariant> variantsOf(const GpuScene::State::Mesh& mesh, bool mayDissolve,
                                     std::span<const BlendMode> blends) {
-  constexpr BlendMode kAlone[]{BlendMode::blend};
-  const std::size_t members = mesh.cameras.size();
   std::vector<CellVariant> variants;
-  for (const BlendMode blend : members == 1 ? std::span<const BlendMode>(kAlone) : blends)
+  for (const BlendMode blend : blends)
     for (const bool dissolve : {false, true})
       if (!dissolve || mayDissolve)
-        variants.push_back(
-            {members, mesh.panoramas, mesh.cubic, mesh.masked, mesh.onePage, dissolve, mesh.exposed, blend});
+        variants.push_back({mesh.cameras.size(), mesh.panoramas, mesh.cubic, mesh.masked, mesh.onePage, dissolve,
+                            mesh.exposed, blend});
   return variants;
 }
 

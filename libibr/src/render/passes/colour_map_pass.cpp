@@ -51,11 +51,11 @@ std::uint32_t methodOf(ColourTable table) {
 
 // Whether the proxy shows it.
 bool isCounted(const FramePlan& plan, const Step& step) {
-  return step.tier == kTierAgrees && step.cell != kNoCell && plan.cells[step.cell].colourNeeded;
+  return step.cell != kNoCell && plan.cells[step.cell].colourNeeded;
 }
 
 bool startsWithMain(const Steps& steps) {
-  return steps.count > 0 && steps.step[0].tier == kTierAgrees && steps.step[0].cell == 0;
+  return steps.count > 0 && steps.step[0].cell == 0;
 }
 
 RenderPassHandle makeRenderPass(const Device& device) {
@@ -127,8 +127,6 @@ ColourMapPass::ColourMapPass(Device& device, ColourTables& tables, const CellPas
     require(Stage::count, cell, options.dissolve);
     require(Stage::redraw, cell, options.dissolve);
   }
-  if (sequence)
-    for (const GpuScene::State::Mesh& backdrop : cells.scene().backdrops) require(Stage::redraw, backdrop, false);
 }
 
 shader::ColourFrame ColourMapPass::frameOf(const FramePlan& plan, VkExtent2D extent, VkExtent2D canvas) noexcept {
@@ -172,7 +170,7 @@ void ColourMapPass::count(const FramePlan& plan, VkExtent2D extent, Renderer::Co
   const Steps steps = stepsOf(cells_->scene(), plan, Order::current, 0);
   const auto again = [&](const Step& step) {
     ++counters.draws;
-    counters.triangles += step.range.indexCount / 3;
+    counters.triangles += step.mesh->indices.count / 3;
   };
   if (mapping == ColourMapping::ours) {
     for (std::size_t view = 0; view < (eyesShare(plan) ? 1 : plan.views.size()); ++view) {
@@ -190,10 +188,9 @@ void ColourMapPass::count(const FramePlan& plan, VkExtent2D extent, Renderer::Co
   for (std::uint32_t s = startsWithMain(steps) ? 1 : 0; s < steps.count; ++s) {
     const Step& step = steps.step[s];
     ++counters.passes;
-    const std::uint32_t upTo = step.tier == kTierAgrees ? step.cell + 1 : frame.count;
+    const std::uint32_t upTo = step.cell + 1;
     counters.dispatches += made < upTo;
     made = std::max(made, upTo);
-    if (step.tier != kTierAgrees) continue;
     if (mapping == ColourMapping::paper) {
       ++counters.dispatches;
     } else {
@@ -289,12 +286,6 @@ void ColourMapPass::drawSequence(VkCommandBuffer commands, const FramePlan& plan
                    use::kTransferDestination.layout, 1, &region);
     transition(commands, copy_->get(), use::kTransferDestination, use::kSampled);
     transition(commands, canvas_->colour(), use::kTransferSource, use::kColourAttachment);
-    if (step.tier != kTierAgrees) {
-      makeUpTo(frame.count);  // cells without tier 0 too
-      draw(commands, Stage::redraw, step, plan.settings.blend, parameter + s, extent);
-      transition(commands, canvas_->colour(), use::kColourAttachment, use::kTransferSource);
-      continue;
-    }
     draw(commands, Stage::count, step, plan.settings.blend, parameter + s, extent);
     makeUpTo(step.cell + 1);
     if (byCompute) {

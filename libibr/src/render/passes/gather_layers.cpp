@@ -137,8 +137,8 @@ void GatherLayers::record(VkCommandBuffer commands, const FramePlan& plan, VkDes
   vkCmdPushConstants(commands, layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof constants, &constants);
   for (std::uint32_t k = 0; k < count; ++k) {
     const GpuScene::State::Mesh& mesh = scene_->backdrops[plan.photographs[k].backdrop];
-    const GpuScene::State::IndexRange& range = mesh.tier[kTierAgrees];
-    if (range.indexCount == 0) continue;
+    const GpuScene::State::IndexRange& range = mesh.indices;
+    if (range.count == 0) continue;
     const VkOffset2D corner{std::int32_t(k % std::uint32_t(shader::kGatherColumns) * tile_.width),
                             std::int32_t(k / std::uint32_t(shader::kGatherColumns) * tile_.height)};
     const VkViewport viewport{
@@ -149,7 +149,7 @@ void GatherLayers::record(VkCommandBuffer commands, const FramePlan& plan, VkDes
     const std::array<VkBuffer, 2> buffers{scene_->vertices.get(), scene_->evidence.get()};
     const std::array<VkDeviceSize, 2> offsets{mesh.vertexOffset, mesh.evidenceOffset};
     vkCmdBindVertexBuffers(commands, 0, std::uint32_t(buffers.size()), buffers.data(), offsets.data());
-    vkCmdDrawIndexed(commands, range.indexCount, 1, range.firstIndex, 0, k);
+    vkCmdDrawIndexed(commands, range.count, 1, range.first, 0, k);
   }
   vkCmdEndRenderPass(commands);
 }

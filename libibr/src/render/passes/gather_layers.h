@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The candidates' meshes, each drawn into a tile of an atlas: what each photograph says of the depth of every pixel
-// (shared/gather.h). Only triangles that join one surface are drawn, not those that close a mesh across depth edges.
+// (shared/gather.h). A mesh is cut where depth jumps.
 #pragma once
 
 #include <cstdint>

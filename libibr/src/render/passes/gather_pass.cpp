@@ -15,6 +15,7 @@
 #include "shaders/composite_vert.h"
 #include "shaders/gather_buffers_frag.h"
 #include "shaders/gather_frag.h"
+#include "shaders/gather_overlay_frag.h"
 #include "shaders/gather_vote_comp.h"
 #include "shaders/gather_with_depth_frag.h"
 
@@ -35,16 +36,18 @@ constexpr ImageUse kReadBefore{VK_IMAGE_LAYOUT_UNDEFINED, kRead.stages, kRead.ac
 struct Constants {  // specialisation constants of the shaders
   std::int32_t candidates, layers, colours, slots, depthSlots;
   VkBool32 panoramas, exposed, masked, cubic;
+  std::uint32_t overlay;
 };
-constexpr std::array<VkSpecializationMapEntry, 9> kEntries{{{0, offsetof(Constants, candidates), 4},
-                                                            {1, offsetof(Constants, layers), 4},
-                                                            {2, offsetof(Constants, colours), 4},
-                                                            {3, offsetof(Constants, slots), 4},
-                                                            {4, offsetof(Constants, depthSlots), 4},
-                                                            {5, offsetof(Constants, panoramas), 4},
-                                                            {6, offsetof(Constants, exposed), 4},
-                                                            {7, offsetof(Constants, masked), 4},
-                                                            {8, offsetof(Constants, cubic), 4}}};
+constexpr std::array<VkSpecializationMapEntry, 10> kEntries{{{0, offsetof(Constants, candidates), 4},
+                                                             {1, offsetof(Constants, layers), 4},
+                                                             {2, offsetof(Constants, colours), 4},
+                                                             {3, offsetof(Constants, slots), 4},
+                                                             {4, offsetof(Constants, depthSlots), 4},
+                                                             {5, offsetof(Constants, panoramas), 4},
+                                                             {6, offsetof(Constants, exposed), 4},
+                                                             {7, offsetof(Constants, masked), 4},
+                                                             {8, offsetof(Constants, cubic), 4},
+                                                             {9, offsetof(Constants, overlay), 4}}};
 
 VkExtent2D scaled(VkExtent2D extent, double scale) {
   const auto side = [&](std::uint32_t n) { return std::max(1u, std::uint32_t(std::lround(n * scale))); };
@@ -101,15 +104,16 @@ GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass
   const std::array<VkDescriptorSetLayout, 2> layouts{viewLayout, scene_->gather->layout()};
   const VkPushConstantRange gatherConstants{VK_SHADER_STAGE_FRAGMENT_BIT, 0, sizeof(shader::GatherConstants)};
   layout_ = makePipelineLayout(device, layouts, {&gatherConstants, 1});
-  const Constants constants{std::int32_t(candidates),
-                            std::int32_t(std::clamp(options.gatherLayers, 1u, kMaxGatherLayers)),
-                            std::int32_t(std::clamp(options.gatherColours, 1u, kMaxGatherColours)),
-                            std::int32_t(scene_->gather->photographSlots()),
-                            std::int32_t(scene_->gather->depthSlots()),
-                            requirements.panoramas > 0,
-                            requirements.gains,
-                            requirements.masked > 0,
-                            scene_->gather->isCubic()};
+  Constants constants{std::int32_t(candidates),
+                      std::int32_t(std::clamp(options.gatherLayers, 1u, kMaxGatherLayers)),
+                      std::int32_t(std::clamp(options.gatherColours, 1u, kMaxGatherColours)),
+                      std::int32_t(scene_->gather->photographSlots()),
+                      std::int32_t(scene_->gather->depthSlots()),
+                      requirements.panoramas > 0,
+                      requirements.gains,
+                      requirements.masked > 0,
+                      scene_->gather->isCubic(),
+                      std::uint32_t(Overlay::none)};
   const Specialisation all{kEntries, std::as_bytes(std::span(&constants, 1))};
   vote_ = makeComputePipeline(device, {.name = "vote for depth",
                                        .shader = shaders::gather_vote_comp,
@@ -124,6 +128,18 @@ GatherPass::GatherPass(const Device& device, const GpuScene& scene, VkRenderPass
                .renderPass = canvasPass,
                .depthTest = true,
                .depthWrite = requirements.depth});
+  for (const Overlay overlay : requirements.overlays) {
+    if (overlay == Overlay::overlap) continue;
+    constants.overlay = std::uint32_t(overlay);
+    overlays_.emplace(overlay, makeGraphicsPipeline(device, {.name = "gather: overlay",
+                                                             .vertex = shaders::composite_vert,
+                                                             .fragment = shaders::gather_overlay_frag,
+                                                             .specialisation = all,
+                                                             .layout = layout_.get(),
+                                                             .renderPass = canvasPass,
+                                                             .depthTest = true,
+                                                             .depthWrite = requirements.depth}));
+  }
   if (requirements.buffers)
     buffers_ = makeGraphicsPipeline(device, {.name = "gather: buffers",
                                              .vertex = shaders::composite_vert,
@@ -183,6 +199,11 @@ void GatherPass::draw(VkCommandBuffer commands, const FramePlan& plan, std::size
   drawOver(commands, gather_.get(), plan, view, extent, steps);
 }
 
+void GatherPass::drawOverlay(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+                             std::uint32_t steps) const noexcept {
+  drawOver(commands, overlays_.at(plan.settings.overlay).get(), plan, view, extent, steps);
+}
+
 void GatherPass::drawBuffers(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
                              std::uint32_t steps) const noexcept {
   drawOver(commands, buffers_.get(), plan, view, extent, steps);
@@ -214,7 +235,8 @@ VkDeviceSize GatherPass::allocatedBytes() const noexcept {
 }
 
 std::uint32_t GatherPass::pipelineCount() const noexcept {
-  return GatherLayers::kPipelineCount + FillPass::kPipelineCount + 2 + (buffers_.get() != VK_NULL_HANDLE);
+  return GatherLayers::kPipelineCount + FillPass::kPipelineCount + 2 + std::uint32_t(overlays_.size()) +
+         (buffers_.get() != VK_NULL_HANDLE);
 }
 
 std::uint32_t GatherPass::dispatchCount(const FramePlan& plan, VkExtent2D extent) noexcept {
@@ -224,7 +246,7 @@ std::uint32_t GatherPass::dispatchCount(const FramePlan& plan, VkExtent2D extent
 std::uint64_t GatherPass::triangleCount(const GpuScene::State& scene, const FramePlan& plan) noexcept {
   std::uint64_t count = 0;
   for (const PlannedPhotograph& photograph : plan.photographs)
-    count += scene.backdrops[photograph.backdrop].tier[kTierAgrees].indexCount / 3;
+    count += scene.backdrops[photograph.backdrop].indices.count / 3;
   return count;
 }
 

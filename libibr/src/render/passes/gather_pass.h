@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 
 #include "gpu/device/handle.h"
@@ -34,6 +35,10 @@ class GatherPass {
   void draw(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
             std::uint32_t steps) const noexcept;
 
+  /// As draw(), with a plan's overlay: one of RendererOptions::overlays, but not Overlay::overlap.
+  void drawOverlay(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
+                   std::uint32_t steps) const noexcept;
+
   /// The same into a plan's BufferTargets, within their rendering (render/passes/buffer_pass.h).
   void drawBuffers(VkCommandBuffer commands, const FramePlan& plan, std::size_t view, VkExtent2D extent,
                    std::uint32_t steps) const noexcept;
@@ -63,7 +68,8 @@ class GatherPass {
   std::optional<FillPass> holes_;
   PipelineLayoutHandle voteLayout_, layout_;
   PipelineHandle vote_, gather_;
-  PipelineHandle buffers_;  // none without Requirements::buffers
+  std::map<Overlay, PipelineHandle> overlays_;  // of Requirements::overlays
+  PipelineHandle buffers_;                      // none without Requirements::buffers
 };
 
 }  // namespace ibr

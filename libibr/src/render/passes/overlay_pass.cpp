@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Overlaps are counted by adding: each cell adds one colour to a pixel, however often its mesh folds over it. For this
-// every step has one depth, nearer than that of the step before it, so that of one step only the first triangle passes.
+// every cell has one depth, nearer than that of the step before it, so that of one step only the first triangle passes.
 #include "render/passes/overlay_pass.h"
 
 #include <array>
@@ -50,16 +50,15 @@ OverlayPass::OverlayPass(const Device& device, const CellPass& cells, VkRenderPa
   const VkPushConstantRange constants{kStages, 0, sizeof(shader::OverlayConstants)};
   layout_ = makePipelineLayout(device, sets, {&constants, 1});
   for (const Overlay overlay : requirements.overlays)
-    for (const std::vector<GpuScene::State::Mesh>* meshes : {&scene.cells, &scene.backdrops})
-      for (const GpuScene::State::Mesh& mesh : *meshes)
-        for (const CellVariant& variant : variantsOf(mesh, requirements.dissolve, options.blends))
-          for (const bool depth : {false, true})
-            for (const bool mapped : {false, true}) {
-              if (mapped && !(requirements.colourTables && showsPicture(overlay))) continue;
-              if (overlay == Overlay::overlap ? !depth : !(depth ? requirements.depthOrder : requirements.painters))
-                continue;
-              require(device, renderPass, {overlay, variant, depth, mapped});
-            }
+    for (const GpuScene::State::Mesh& cell : scene.cells)
+      for (const CellVariant& variant : variantsOf(cell, requirements.dissolve, options.blends))
+        for (const bool depth : {false, true})
+          for (const bool mapped : {false, true}) {
+            if (mapped && !(requirements.colourTables && showsPicture(overlay))) continue;
+            if (overlay == Overlay::overlap ? !depth : !(depth ? requirements.depthOrder : requirements.painters))
+              continue;
+            require(device, renderPass, {overlay, variant, depth, mapped});
+          }
 }
 
 void OverlayPass::makeSet(const Device& device) {
@@ -103,16 +102,13 @@ void OverlayPass::draw(VkCommandBuffer commands, const FramePlan& plan, Order or
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetMeshes, 1, &set_, 0,
                           nullptr);
   cells_->eachStep(commands, plan, order, view, extent, [&](const Step& step, std::uint32_t parameter) {
-    // Backdrops are coloured as though they came after all cells.
-    const float rank = float(step.rank) + (step.tier == kTierBackdrop ? ranks : 0.0f);
     const VkDeviceSize uncertainty = uncertainties_ ? uncertainties_->offset(*step.mesh) / sizeof(float) : 0;
-    const shader::OverlayConstants constants{step.range.firstIndex,
+    const shader::OverlayConstants constants{step.mesh->indices.first,
                                              std::uint32_t(step.mesh->vertexOffset / 4),
                                              std::uint32_t(uncertainty),
-                                             rank,
+                                             float(step.rank),
                                              ranks,
-                                             std::uint32_t(step.tier),
-                                             step.tier == kTierAgrees && step.cell != kNoCell};
+                                             step.cell != kNoCell};
     const bool counts = overlay == Overlay::overlap;
     const Key key{overlay, variantOf(step, plan.settings.blend), counts || !cells_->isPainters(plan.settings),
                   showsPicture(overlay) && cells_->isMapped(plan, step)};
@@ -121,7 +117,7 @@ void OverlayPass::draw(VkCommandBuffer commands, const FramePlan& plan, Order or
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), shader::kSetCell, 1,
                             &step.mesh->photographs, 0, nullptr);
     vkCmdPushConstants(commands, layout_.get(), kStages, 0, sizeof constants, &constants);
-    vkCmdDraw(commands, step.range.indexCount, 1, 0, parameter);
+    vkCmdDraw(commands, step.mesh->indices.count, 1, 0, parameter);
   });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of every vertex the uncertainty of ρ, for passes that tell it: a scene on a device has none.
+// Of every cell's vertex the uncertainty of ρ, for passes that tell it: a scene on a device has none.
 #pragma once
 
 #include <vector>
@@ -15,14 +15,14 @@ class Uncertainties {
   Uncertainties(Device& device, const Scene& scene, const GpuScene::State& meshes);
 
   VkBuffer get() const noexcept { return buffer_.get(); }
-  /// Where a mesh of the scene begins, in bytes.
-  VkDeviceSize offset(const GpuScene::State::Mesh& mesh) const noexcept;
+  /// Where a cell of the scene begins, in bytes.
+  VkDeviceSize offset(const GpuScene::State::Mesh& cell) const noexcept;
   VkDeviceSize bytes() const noexcept { return buffer_.size(); }
   VkDeviceSize allocatedBytes() const noexcept { return buffer_.allocatedBytes(); }
 
  private:
   const GpuScene::State* meshes_;
-  std::vector<VkDeviceSize> cells_, backdrops_;  // offsets
+  std::vector<VkDeviceSize> offsets_;  // of the cells
   Buffer buffer_;
 };
 

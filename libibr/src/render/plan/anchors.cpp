@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -85,39 +86,55 @@ class Lookup {
 
 }  // namespace
 
-std::vector<std::uint32_t> meshesOfNodes(const Scene& scene) {
+std::vector<std::uint32_t> cellsOfNodes(const Scene& scene) {
   std::vector<std::uint32_t> count(scene.nodes.size(), 0);
-  for (const auto* meshes : {&scene.cells, &scene.backdrops})
-    for (const Cell& mesh : *meshes)
-      for (const std::uint32_t node : mesh.members) ++count[node];
+  for (const Cell& cell : scene.cells)
+    for (const std::uint32_t node : cell.members) ++count[node];
   return count;
 }
 
-std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& mesh,
-                                          std::span<const std::uint32_t> meshesOfNode) {
+std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& cell,
+                                          std::span<const std::uint32_t> cellsOfNode) {
   std::vector<std::size_t> members;
-  for (std::size_t i = 0; i < mesh.members.size(); ++i)
-    if (meshesOfNode[mesh.members[i]] > 1) members.push_back(i);
-  std::ranges::sort(members, {}, [&](std::size_t i) { return mesh.members[i]; });
-  std::vector<bool> usable(members.empty() ? 0 : mesh.mesh.pointCount());
-  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, mesh, p);
+  for (std::size_t i = 0; i < cell.members.size(); ++i)
+    if (cellsOfNode[cell.members[i]] > 1) members.push_back(i);
+  std::ranges::sort(members, {}, [&](std::size_t i) { return cell.members[i]; });
+  const MorphMesh& mesh = cell.mesh;
+  std::vector<bool> usable(members.empty() ? 0 : mesh.pointCount());
+  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);
   std::vector<CellBounds::Anchor> anchors;
   for (const std::size_t member : members) {
-    Lookup lookup(scene, mesh, member);
-    for (std::size_t t = 0; t < mesh.mesh.triangles.size(); ++t) {
-      const glm::uvec3 v = mesh.mesh.triangles[t];
-      if (mesh.mesh.tier[t] == kTierAgrees && usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
+    Lookup lookup(scene, cell, member);
+    for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
+      const glm::uvec3 v = mesh.triangles[t];
+      if (usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
     }
     lookup.moveTo(anchors);
   }
   return anchors;
 }
 
-const AnchorsOnDemand::OfMeshes& AnchorsOnDemand::of(const Scene& scene) {
+std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell) {
+  const MorphMesh& mesh = cell.mesh;
+  Lookup lookup(scene, cell, 0);
+  for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
+    const glm::uvec3 v = mesh.triangles[t];
+    if (raysAgree(scene, cell, v.x) && raysAgree(scene, cell, v.y) && raysAgree(scene, cell, v.z)) lookup.add(v);
+  }
+  std::vector<CellBounds::Anchor> anchors;
+  lookup.moveTo(anchors);
+  const glm::dmat3 toWorld = glm::mat3_cast(scene.nodes[cell.members[0]].camera.pose.rotation);
+  std::vector<glm::vec4> points;
+  for (const CellBounds::Anchor& anchor : anchors)
+    if ((anchor.place / kAnchorSide + anchor.place) % 2 == 0)  // as a chessboard
+      points.emplace_back(glm::vec3(toWorld * glm::dvec3(anchor.point.point[0])), anchor.point.inverseDistance);
+  return points;
+}
+
+const AnchorsOnDemand::OfCells& AnchorsOnDemand::of(const Scene& scene) {
   std::call_once(once_, [&] {
-    const std::vector<std::uint32_t> meshesOfNode = meshesOfNodes(scene);
-    for (const Cell& cell : scene.cells) all_.cells.push_back(anchorsOf(scene, cell, meshesOfNode));
-    for (const Cell& backdrop : scene.backdrops) all_.backdrops.push_back(anchorsOf(scene, backdrop, meshesOfNode));
+    const std::vector<std::uint32_t> cellsOfNode = cellsOfNodes(scene);
+    for (const Cell& cell : scene.cells) all_.push_back(anchorsOf(scene, cell, cellsOfNode));
   });
   return all_;
 }

@@ -21,13 +21,13 @@ constexpr std::size_t kLeastPairs = 8;
 using Anchors = std::span<const CellBounds::Anchor>;
 using Sights = std::vector<Sight>;
 
-// Where a mesh's anchors are seen from the eye.
-Sights sightsOf(const Scene& scene, const Cell& mesh, Anchors anchors, const Weights& weights, glm::dvec3 eye,
+// Where a cell's anchors are seen from the eye.
+Sights sightsOf(const Scene& scene, const Cell& cell, Anchors anchors, const Weights& weights, glm::dvec3 eye,
                 const Correction& correction) {
   std::array<glm::dmat3, 4> toWorld;
   glm::dvec3 shift(0.0);
-  for (std::size_t i = 0; i < mesh.members.size(); ++i) {
-    const Pose& pose = scene.nodes[mesh.members[i]].camera.pose;
+  for (std::size_t i = 0; i < cell.members.size(); ++i) {
+    const Pose& pose = scene.nodes[cell.members[i]].camera.pose;
     toWorld[i] = weights[i] * glm::mat3_cast(correction.rotation * glm::normalize(pose.rotation));
     shift += weights[i] * (pose.position - eye);
   }
@@ -36,14 +36,14 @@ Sights sightsOf(const Scene& scene, const Cell& mesh, Anchors anchors, const Wei
   sights.reserve(anchors.size());
   for (const CellBounds::Anchor& anchor : anchors) {
     glm::dvec3 direction = double(anchor.point.inverseDistance) * shift;
-    for (std::size_t i = 0; i < mesh.members.size(); ++i) direction += toWorld[i] * glm::dvec3(anchor.point.point[i]);
+    for (std::size_t i = 0; i < cell.members.size(); ++i) direction += toWorld[i] * glm::dvec3(anchor.point.point[i]);
     const double length = glm::length(direction);
     sights.push_back({direction / length, double(anchor.point.inverseDistance) / length});
   }
   return sights;
 }
 
-// Calls `visit` with both anchors' numbers for each place that two meshes show.
+// Calls `visit` with both anchors' numbers for each place that two cells show.
 template <class Visit>
 void forCommon(Anchors a, Anchors b, Visit&& visit) {
   const auto key = [](const CellBounds::Anchor& anchor) { return std::pair(anchor.photograph, anchor.place); };
@@ -59,7 +59,7 @@ bool sharePhotograph(const Cell& a, const Cell& b) {
   return std::ranges::any_of(a.members, [&](std::uint32_t node) { return std::ranges::count(b.members, node) > 0; });
 }
 
-// Two meshes, and what brings the second to the first.
+// Two cells, and what brings the second to the first.
 struct Tie {
   std::size_t a, b;
   MotionFit fit;
@@ -68,21 +68,21 @@ struct Tie {
 
 class Aligner {
  public:
-  Aligner(const Scene& scene, std::span<const MeshToAlign> meshes, glm::dvec3 middle)
-      : scene_(scene), meshes_(meshes), middle_(middle) {
-    for (const MeshToAlign& mesh : meshes)
-      sights_.push_back(sightsOf(scene, *mesh.mesh, mesh.anchors, mesh.weights, middle, {}));
+  Aligner(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle)
+      : scene_(scene), cells_(cells), middle_(middle) {
+    for (const CellToAlign& cell : cells)
+      sights_.push_back(sightsOf(scene, *cell.cell, cell.anchors, cell.weights, middle, {}));
     normaliseNearness();
     findMasses();
-    for (std::size_t a = 0; a < meshes.size(); ++a)
-      for (std::size_t b = a + 1; b < meshes.size(); ++b)
-        if (sharePhotograph(*meshes[a].mesh, *meshes[b].mesh)) tie(a, b);
+    for (std::size_t a = 0; a < cells.size(); ++a)
+      for (std::size_t b = a + 1; b < cells.size(); ++b)
+        if (sharePhotograph(*cells[a].cell, *cells[b].cell)) tie(a, b);
   }
 
   std::vector<Correction> run() {
     const std::vector<Motion> motions = solve();
     std::vector<Correction> corrections;
-    for (std::size_t m = 0; m < meshes_.size(); ++m) corrections.push_back(correctionOf(motions[m], sights_[m]));
+    for (std::size_t m = 0; m < cells_.size(); ++m) corrections.push_back(correctionOf(motions[m], sights_[m]));
     return corrections;
   }
 
@@ -101,10 +101,10 @@ class Aligner {
 
   void findMasses() {
     double furthest = 0;
-    for (const MeshToAlign& mesh : meshes_) furthest = std::max(furthest, mesh.distance);
+    for (const CellToAlign& cell : cells_) furthest = std::max(furthest, cell.distance);
     least_ = 1e-12 * furthest * furthest;
-    for (const MeshToAlign& mesh : meshes_) {
-      const double far = furthest > 0 ? mesh.distance / furthest : 1.0;
+    for (const CellToAlign& cell : cells_) {
+      const double far = furthest > 0 ? cell.distance / furthest : 1.0;
       masses_.push_back(1 / (far + 1e-12));
     }
   }
@@ -120,8 +120,8 @@ class Aligner {
     double total = 0;
     std::uint32_t last = ~0u;
     double count = 0;
-    const Anchors anchors = meshes_[a].anchors;
-    forCommon(anchors, meshes_[b].anchors, [&](std::size_t i, std::size_t j) {
+    const Anchors anchors = cells_[a].anchors;
+    forCommon(anchors, cells_[b].anchors, [&](std::size_t i, std::size_t j) {
       if (anchors[i].photograph != last) {
         count = countOf(last = anchors[i].photograph);
         total += count;
@@ -161,7 +161,7 @@ class Aligner {
 
   // Conjugate gradients, each unknown in the scale of its diagonal.
   std::vector<Motion> solve() const {
-    const std::size_t n = meshes_.size();
+    const std::size_t n = cells_.size();
     std::vector<Motion> x(n), residual(n), diagonal(n), direction;
     for (std::size_t m = 0; m < n; ++m) diagonal[m].fill(kRegularisation * masses_[m]);
     for (const Tie& tie : ties_) {
@@ -215,7 +215,7 @@ class Aligner {
   }
 
   const Scene& scene_;
-  std::span<const MeshToAlign> meshes_;
+  std::span<const CellToAlign> cells_;
   glm::dvec3 middle_;
   std::vector<Sights> sights_;
   std::vector<double> masses_;
@@ -227,8 +227,8 @@ class Aligner {
 
 }  // namespace
 
-std::vector<Correction> alignMeshes(const Scene& scene, std::span<const MeshToAlign> meshes, glm::dvec3 middle) {
-  return Aligner(scene, meshes, middle).run();
+std::vector<Correction> alignCells(const Scene& scene, std::span<const CellToAlign> cells, glm::dvec3 middle) {
+  return Aligner(scene, cells, middle).run();
 }
 
 std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds, const FramePlan& plan,
@@ -246,7 +246,7 @@ std::vector<double> misalignments(const Scene& scene, const SceneBounds& bounds,
   };
   std::vector<Drawn> drawn;
   for (const PlannedCell& cell : plan.cells) {
-    const Anchors anchors = bounds.anchors->of(scene).cells[cell.cell];
+    const Anchors anchors = bounds.anchors->of(scene)[cell.cell];
     drawn.push_back({anchors, sightsOf(scene, scene.cells[cell.cell], anchors, cell.view[view].position,
                                        camera.pose.position, corrected ? cell.correction : Correction{})});
   }

@@ -46,6 +46,7 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
     bounds.nearInverseDistance = quantile(9);
   }
   addOutline(scene, cell, bounds);
+  bounds.surface = surfacePoints(scene, cell);
   return bounds;
 }
 
@@ -95,7 +96,6 @@ void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
 SceneBounds sceneBounds(const Scene& scene) {
   SceneBounds bounds;
   for (const Cell& cell : scene.cells) bounds.cells.push_back(boundsOf(scene, cell));
-  for (const Cell& backdrop : scene.backdrops) bounds.backdrops.push_back(boundsOf(scene, backdrop));
   if (!gatherableBackdrops(scene).empty()) bounds.gather = gatherBounds(scene);
   bounds.anchors = std::make_shared<AnchorsOnDemand>();
   return bounds;

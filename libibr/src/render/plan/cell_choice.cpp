@@ -3,11 +3,23 @@
 
 #include <algorithm>
 
+#include "render/plan/cell_cover.h"
+
 namespace ibr {
 namespace {
 
 constexpr double kKeepDistance = 0.02;  // of a cell's size
 constexpr double kKeepAngle = 0.02;     // radians, about a degree
+constexpr double kKeepWorth = 1.1;      // factor on the worth of a cell that was drawn before
+constexpr double kNear = 0.05;          // of the best cell's size: at this distance a cell is worth half
+constexpr double kGathered = 0.085;     // worth of what is gathered: a cell is better up to about half its size away
+                                        // (docs/quality.md, "Cells chosen by what they add")
+
+// Of each part of a view that the cell shows, > 0. `size`: of the best cell.
+double worthOf(const CellCandidate& cell, double size) {
+  const double worth = kNear / (kNear + (size > 0 ? cell.distance / size : 0.0));
+  return cell.rank == kNotShown ? worth : kKeepWorth * worth;
+}
 
 class Order {
  public:
@@ -54,11 +66,27 @@ class Order {
 
 }  // namespace
 
-CellChoice chooseCells(const Scene& scene, std::vector<CellCandidate> candidates, std::size_t most) {
+CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
+                       std::vector<CellCandidate> candidates, std::size_t most, bool gathers) {
   const Order order(scene);
   std::ranges::sort(candidates, [&](const auto& a, const auto& b) { return order.deservesMore(a, b); });
-  const auto end = candidates.begin() + std::ptrdiff_t(std::min(candidates.size(), most));
-  CellChoice choice{{candidates.begin(), end}, {end, candidates.end()}};
+  std::vector<bool> chosen(candidates.size(), candidates.size() <= most && !gathers);
+  if (gathers || candidates.size() > most) {
+    std::vector<CellCover> covers;
+    std::vector<double> worths;
+    const std::size_t count = std::min(candidates.size(), std::max(most, kMostCovering));
+    std::size_t forced = count;
+    for (std::size_t c = 0; c < count; ++c) {
+      const CellCandidate& candidate = candidates[c];
+      const std::uint32_t first = scene.cells[candidate.cell].members[0];
+      covers.push_back(coverOf(bounds.cells[candidate.cell], scene.nodes[first].camera.pose.position, views));
+      worths.push_back(worthOf(candidate, candidates[0].size));
+      if (candidate.first) forced = c;
+    }
+    for (const std::size_t c : coveringCells(covers, worths, gathers ? kGathered : 0.0, most, forced)) chosen[c] = true;
+  }
+  CellChoice choice;
+  for (std::size_t c = 0; c < candidates.size(); ++c) (chosen[c] ? choice.drawn : choice.left).push_back(candidates[c]);
   // By insertion into the order of the frame before.
   std::vector<CellCandidate>& drawn = choice.drawn;
   std::ranges::stable_sort(drawn, {}, &CellCandidate::rank);

@@ -38,27 +38,17 @@ void assignSlots(const PlanState& state, FramePlan& plan) {
   }
 }
 
-std::uint32_t slotOfPhotograph(const Scene& scene, const FramePlan& plan, std::uint32_t node) {
-  for (const PlannedCell& cell : plan.cells) {
-    const std::vector<std::uint32_t>& members = scene.cells[cell.cell].members;
-    if (std::find(members.begin(), members.end(), node) != members.end()) return cell.colourSlot;
-  }
-  return kColourSlotCount;
-}
-
 // A table that nothing shows is not measured: what was remembered stays, and what never was is new when it shows.
 void markNeeded(FramePlan& plan) {
   for (PlannedCell& cell : plan.cells) {
-    cell.colourNeeded = !cell.hidden || !cell.rejectedHidden || plan.formerWeight > 0 || !plan.leaving.empty();
-    for (const PlannedBackdrop& backdrop : plan.backdrops)
-      if (backdrop.colourSlot == cell.colourSlot && !backdrop.hidden) cell.colourNeeded = true;
+    cell.colourNeeded = !cell.hidden || plan.formerWeight > 0 || !plan.leaving.empty();
     if (!cell.colourNeeded && cell.colourFresh) plan.next.colourSlots[cell.colourSlot] = kNobody;
   }
 }
 
 }  // namespace
 
-void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan) {
+void planColours(double seconds, const PlanState& state, FramePlan& plan) {
   const RenderSettings& settings = plan.settings;
   ColourPlan& colour = plan.colour;
   if (settings.colourMapping == ColourMapping::off) return;
@@ -69,8 +59,6 @@ void planColours(const Scene& scene, double seconds, const PlanState& state, Fra
     plan.formerWeight = 0;
   }
   assignSlots(state, plan);
-  for (PlannedBackdrop& backdrop : plan.backdrops)
-    backdrop.colourSlot = slotOfPhotograph(scene, plan, scene.backdrops[backdrop.backdrop].members[0]);
   markNeeded(plan);
   const bool switched = state.mainCell >= 0 && plan.next.mainCell != state.mainCell;
   const double left = switched ? settings.colourFadeSeconds : state.colourFade;

@@ -9,10 +9,7 @@ namespace ibr {
 
 /// `plan` is complete but for colours; `seconds` since the frame before, clamped. Where colours are not mapped, what
 /// was remembered of them is forgotten.
-///
-/// Backdrops take the table of the best planned cell of which their photograph is a member, else none: their colours
-/// are those of that photograph. Tier 1 takes its cell's.
-void planColours(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan);
+void planColours(double seconds, const PlanState& state, FramePlan& plan);
 
 /// Both views take the same tables.
 inline bool eyesShare(const FramePlan& plan) {

@@ -10,27 +10,23 @@ namespace {
 // Log; nothing is adapted to where nothing is shown.
 std::optional<glm::dvec3> wantedExposure(const Scene& scene, const FramePlan& plan) {
   glm::dvec3 sum(0.0);
-  if (plan.settings.composition == Composition::gathered) {
+  if (plan.cells.empty() || plan.settings.composition == Composition::gathered) {
     constexpr double kNearest = 0.01;  // b², so that a photograph's own place divides by no zero
     double weights = 0;
     for (const PlannedPhotograph& photograph : plan.photographs) {
       const double distance = photograph.distance / plan.gather.spacing,
-                   weight = photograph.weight / (kNearest + distance * distance);
+                   weight = photograph.share / (kNearest + distance * distance);
       weights += weight;
       sum -= weight * glm::log(scene.nodes[photograph.node].gain);
     }
     if (weights > 0) return sum / weights;
     return std::nullopt;
   }
-  if (!plan.cells.empty()) {
-    const std::vector<std::uint32_t>& members = scene.cells[plan.cells[0].cell].members;
-    for (std::size_t i = 0; i < members.size(); ++i)
-      for (std::size_t v = 0; v < plan.views.size(); ++v)
-        sum -= plan.cells[0].view[v].blend[i] / double(plan.views.size()) * glm::log(scene.nodes[members[i]].gain);
-    return sum;
-  }
-  if (plan.backdrops.empty()) return std::nullopt;
-  return -glm::log(scene.nodes[scene.backdrops[plan.backdrops[0].backdrop].members[0]].gain);
+  const std::vector<std::uint32_t>& members = scene.cells[plan.cells[0].cell].members;
+  for (std::size_t i = 0; i < members.size(); ++i)
+    for (std::size_t v = 0; v < plan.views.size(); ++v)
+      sum -= plan.cells[0].view[v].blend[i] / double(plan.views.size()) * glm::log(scene.nodes[members[i]].gain);
+  return sum;
 }
 
 }  // namespace

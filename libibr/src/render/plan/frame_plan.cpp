@@ -17,7 +17,6 @@
 #include "base/check.h"
 #include "ibr/renderer.h"
 #include "render/plan/anchors.h"
-#include "render/plan/backdrop_choice.h"
 #include "render/plan/cell_alignment.h"
 #include "render/plan/cell_choice.h"
 #include "render/plan/cell_order.h"
@@ -99,7 +98,7 @@ class Planner {
       planes_.push_back(frustum(view));
     }
     plan_.settings = settings_;
-    if (settings_.lowestTier >= kTierFilled && hasMask(scene)) plan_.settings.lowestTier = kTierBackdrop;
+    if (settings_.lowestTier >= kTierFilled && hasMask(scene)) plan_.settings.lowestTier = kTierCompleted;
     middle_ = middleOf(plan_.views);
     dt_ = input.dtSeconds > 0 ? std::min(input.dtSeconds, 0.1) : 0.0;  // NaN: 0
     seconds_ = state.secondsSinceSwitch + dt_;
@@ -109,41 +108,29 @@ class Planner {
     mixing_ = !state_.former.empty() && seconds_ < settings_.switchSeconds;
     choosePhotographs();
     std::vector<PlannedCell> cells = chooseCells();
-    const ChosenBackdrops chosen = chooseBackdrops();
-    align(cells, chosen);
+    align(cells);
     takeCells(std::move(cells));
     fadeCells();
-    fadeBackdrops(chosen);
     // The paper draws all of its cells, and counts their colours.
     if (settings_.order == DrawOrder::ours && settings_.colourMapping <= ColourMapping::ours)
       markHidden(scene_, bounds_, plan_);
     mixSwitch();
     if (plan_.settings.composition == Composition::gathered) plan_.formerWeight = 0;
     if (gathers() && plan_.cells.empty()) plan_.nearDistance = 0.05 * plan_.gather.spacing;
-    rememberSingles();
     plan_.exposure = plannedExposure(scene_, dt_, state_, plan_);
-    planColours(scene_, dt_, state_, plan_);
+    planColours(dt_, state_, plan_);
     return std::move(plan_);
   }
 
  private:
-  // Those in view, and of them those to be drawn; best first.
-  struct ChosenBackdrops {
-    std::vector<BackdropCandidate> candidates;
-    std::vector<std::uint32_t> meshes;
-  };
-
   // `margin`: radians by which a correction may still move it.
-  bool visible(const Cell& cell, const CellBounds& bounds, const PlannedCell& planned, Morph morph,
-               double margin = 0) const {
+  bool visible(const PlannedCell& planned, double margin = 0) const {
     for (std::size_t v = 0; v < plan_.views.size(); ++v)
-      if (mayBeVisible(scene_, cell, bounds, planes_[v],
-                       {planned.view[v].position, morph, plan_.views[v].pose.position, planned.correction}, margin))
+      if (mayBeVisible(scene_, scene_.cells[planned.cell], bounds_.cells[planned.cell], planes_[v],
+                       {planned.view[v].position, settings_.morph, plan_.views[v].pose.position, planned.correction},
+                       margin))
         return true;
     return false;
-  }
-  bool visible(const PlannedCell& planned, double margin = 0) const {
-    return visible(scene_.cells[planned.cell], bounds_.cells[planned.cell], planned, settings_.morph, margin);
   }
   bool aligned() const { return settings_.alignCells && settings_.morph == Morph::ours; }
 
@@ -166,7 +153,6 @@ class Planner {
       planned.view[v].blend = smoothstep(weights.clamped);
     }
     planned.photographDistance = photographDistance(cell, smoothstep(fromMiddle.weights.clamped));
-    planned.single = single(index, fromMiddle.weights.clamped);
     return planned;
   }
 
@@ -179,37 +165,6 @@ class Planner {
     return std::sqrt(squared);
   }
 
-  // The member with the greatest λ̂, which another one replaces only by a margin, and little by little.
-  Weights single(std::uint32_t cell, const Weights& clamped) const {
-    constexpr double kKeepWeight = 0.05;
-    const std::size_t best = std::size_t(std::max_element(clamped.begin(), clamped.end()) - clamped.begin());
-    Weights target{};
-    target[best] = 1;
-    const auto found = std::ranges::lower_bound(state_.single, cell, {}, [](const auto& entry) { return entry.first; });
-    if (found == state_.single.end() || found->first != cell || !(settings_.switchSeconds > 0)) return target;
-    const Weights& before = found->second;
-    const std::size_t shown = std::size_t(std::max_element(before.begin(), before.end()) - before.begin());
-    if (clamped[best] < clamped[shown] + kKeepWeight) {
-      target = {};
-      target[shown] = 1;
-    }
-    const double step = dt_ / settings_.switchSeconds;
-    Weights weights{};
-    double sum = 0;
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      sum += weights[i] = before[i] + std::clamp(target[i] - before[i], -step, step);
-    for (double& weight : weights) weight /= sum;
-    return weights;
-  }
-
-  void rememberSingles() {
-    std::map<std::uint32_t, Weights> drawn;
-    for (const PlannedCell& cell : plan_.cells) drawn[cell.cell] = cell.single;
-    for (const LeavingCell& cell : plan_.leaving) drawn[cell.planned.cell] = cell.planned.single;
-    for (const PlannedCell& cell : plan_.former) drawn[cell.cell] = cell.single;
-    plan_.next.single.assign(drawn.begin(), drawn.end());
-  }
-
   bool isChosen(std::uint32_t cell) const {
     const auto has = [cell](const auto& list) { return std::ranges::find(list, cell) != list.end(); };
     return !has(settings_.mutedCells) && (settings_.soloCells.empty() || has(settings_.soloCells));
@@ -218,8 +173,8 @@ class Planner {
   // `cells`: where what is planned of the candidates goes.
   std::vector<CellCandidate> candidates(std::vector<PlannedCell>& cells) {
     std::map<std::uint32_t, std::int64_t> rank;
-    for (const ShownMesh& shown : state_.cells)
-      if (!shown.leaving) rank.emplace(shown.mesh, std::int64_t(rank.size()));
+    for (const ShownCell& shown : state_.cells)
+      if (!shown.leaving) rank.emplace(shown.cell, std::int64_t(rank.size()));
     std::vector<CellCandidate> result;
     for (std::uint32_t c = 0; c < scene_.cells.size(); ++c) {
       const double size = bounds_.cells[c].size;
@@ -230,7 +185,7 @@ class Planner {
       }
       PlannedCell cell = planned(c, distance);
       const bool inView = visible(cell);
-      const auto moved = [&] { return aligned() && !bounds_.anchors->of(scene_).cells[c].empty(); };
+      const auto moved = [&] { return aligned() && !bounds_.anchors->of(scene_)[c].empty(); };
       if (!inView && !(moved() && visible(cell, kLargestCorrection))) {
         ++plan_.culledByFrustum;
         continue;
@@ -243,7 +198,8 @@ class Planner {
       const auto before = rank.find(c);
       result.push_back({c, distance.extrapolation, distance.rotation, size, !inView,
                         mixing_ && std::int64_t(c) == state_.mainCell,
-                        before == rank.end() ? kNotShown : before->second, cells.size()});
+                        before == rank.end() ? kNotShown : before->second,
+                        0.5 * (distance.extrapolation + cell.photographDistance), cells.size()});
       cells.push_back(cell);
     }
     return result;
@@ -252,7 +208,7 @@ class Planner {
   // Best first; some of them may turn out to be out of view.
   std::vector<PlannedCell> chooseCells() {
     std::vector<PlannedCell> cells, ordered;
-    const CellChoice choice = ibr::chooseCells(scene_, candidates(cells), mostCells());
+    const CellChoice choice = ibr::chooseCells(scene_, bounds_, plan_.views, candidates(cells), mostCells(), gathers());
     for (const CellCandidate& left : choice.left) {
       ++(left.nearlyInView ? plan_.culledByFrustum : plan_.culledByCount);
       if (!left.nearlyInView) plan_.next.hiddenCells.push_back(left.cell);
@@ -275,18 +231,17 @@ class Planner {
   bool switched() const { return state_.mainCell >= 0 && plan_.next.mainCell != state_.mainCell; }
 
   // A cell that is drawn where the order before had it.
-  std::optional<PlannedCell> plannedAgain(const ShownMesh& shown) const {
-    if (shown.mesh >= scene_.cells.size()) return std::nullopt;  // another scene's state
-    const Cell& cell = scene_.cells[shown.mesh];
-    const CellBounds& bounds = bounds_.cells[shown.mesh];
-    PlannedCell again = planned(shown.mesh, cellDistance(scene_, cell, bounds.size, middle_));
+  std::optional<PlannedCell> plannedAgain(const ShownCell& shown) const {
+    if (shown.cell >= scene_.cells.size()) return std::nullopt;  // another scene's state
+    PlannedCell again =
+        planned(shown.cell, cellDistance(scene_, scene_.cells[shown.cell], bounds_.cells[shown.cell].size, middle_));
     again.opacity *= shown.opacity;
-    again.correction = correctionOf(corrections_, shown.mesh);
+    again.correction = correctionOf(shown.cell);
     if (!visible(again)) return std::nullopt;
     return again;
   }
 
-  // Of a fade after the order changed, that this frame goes. The paper's sequence of colours has no copies of a mesh.
+  // Of a fade after the order changed, that this frame goes. The paper's sequence of colours has no copies of a cell.
   double fadeStep() const {
     const bool sequence =
         settings_.colourMapping == ColourMapping::paper || settings_.colourMapping == ColourMapping::paperRedraw;
@@ -301,10 +256,11 @@ class Planner {
                              [&](std::uint32_t cell) { return std::ranges::binary_search(state_.hiddenCells, cell); },
                              [&](std::uint32_t cell) {
                                return plannedAgain({cell, 1.0, false}).has_value();
-                             }};
-    plan_.next.cells = showMeshes(state_.cells, wanted, switched() ? 1.0 : fadeStep());
+                             },
+                             gathers()};
+    plan_.next.cells = showCells(state_.cells, wanted, switched() ? 1.0 : fadeStep());
     std::uint32_t place = 0;
-    for (const ShownMesh& shown : plan_.next.cells) {
+    for (const ShownCell& shown : plan_.next.cells) {
       if (!shown.leaving)
         plan_.cells[place++].opacity *= shown.opacity;
       else if (const auto leaving = plannedAgain(shown))
@@ -312,102 +268,39 @@ class Planner {
     }
   }
 
-  using Corrections = std::map<std::uint32_t, Correction>;  // by mesh
-
-  static Correction correctionOf(const Corrections& corrections, std::uint32_t mesh) {
-    const auto found = corrections.find(mesh);
-    return found == corrections.end() ? Correction{} : found->second;
+  Correction correctionOf(std::uint32_t cell) const {
+    const auto found = corrections_.find(cell);
+    return found == corrections_.end() ? Correction{} : found->second;
   }
 
   // All that this frame may draw, together, from the middle of the views.
-  void align(std::vector<PlannedCell>& cells, const ChosenBackdrops& chosen) {
+  void align(std::vector<PlannedCell>& cells) {
     if (!aligned()) return;
-    std::vector<std::uint32_t> cellsToAlign, backdropsToAlign = chosen.meshes;
-    for (const PlannedCell& cell : cells) cellsToAlign.push_back(cell.cell);
-    const auto addShown = [](const std::vector<ShownMesh>& shown, std::size_t count, std::vector<std::uint32_t>& to) {
-      for (const ShownMesh& mesh : shown)
-        if (mesh.mesh < count && std::ranges::find(to, mesh.mesh) == to.end()) to.push_back(mesh.mesh);
-    };
-    addShown(state_.cells, scene_.cells.size(), cellsToAlign);
-    addShown(state_.former, scene_.cells.size(), cellsToAlign);
-    addShown(state_.backdrops, scene_.backdrops.size(), backdropsToAlign);
-    std::vector<MeshToAlign> meshes;
-    const AnchorsOnDemand::OfMeshes& anchors = bounds_.anchors->of(scene_);
-    for (const std::uint32_t c : cellsToAlign)
-      meshes.push_back(toAlign(scene_.cells[c], bounds_.cells[c].size, anchors.cells[c]));
-    for (const std::uint32_t b : backdropsToAlign)
-      meshes.push_back(toAlign(scene_.backdrops[b], bounds_.backdrops[b].size, anchors.backdrops[b]));
-    const std::vector<Correction> found = alignMeshes(scene_, meshes, middle_.position);
-    for (std::size_t i = 0; i < cellsToAlign.size(); ++i) corrections_[cellsToAlign[i]] = found[i];
-    for (std::size_t i = 0; i < backdropsToAlign.size(); ++i)
-      backdropCorrections_[backdropsToAlign[i]] = found[cellsToAlign.size() + i];
+    std::vector<std::uint32_t> toMove;
+    for (const PlannedCell& cell : cells) toMove.push_back(cell.cell);
+    for (const std::vector<ShownCell>* shown : {&state_.cells, &state_.former})
+      for (const ShownCell& cell : *shown)
+        if (cell.cell < scene_.cells.size() && std::ranges::find(toMove, cell.cell) == toMove.end())
+          toMove.push_back(cell.cell);
+    const AnchorsOnDemand::OfCells& anchors = bounds_.anchors->of(scene_);
+    std::vector<CellToAlign> wanted;
+    for (const std::uint32_t c : toMove) wanted.push_back(toAlign(c, anchors[c]));
+    const std::vector<Correction> found = alignCells(scene_, wanted, middle_.position);
+    for (std::size_t i = 0; i < toMove.size(); ++i) corrections_[toMove[i]] = found[i];
     for (PlannedCell& cell : cells) cell.correction = corrections_[cell.cell];
   }
 
-  MeshToAlign toAlign(const Cell& mesh, double size, std::span<const CellBounds::Anchor> anchors) const {
-    const CellDistance from = cellDistance(scene_, mesh, size, middle_);
-    const double photographs = photographDistance(mesh, smoothstep(from.weights.clamped));
-    return {&mesh, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
+  CellToAlign toAlign(std::uint32_t index, std::span<const CellBounds::Anchor> anchors) const {
+    const Cell& cell = scene_.cells[index];
+    const CellDistance from = cellDistance(scene_, cell, bounds_.cells[index].size, middle_);
+    const double photographs = photographDistance(cell, smoothstep(from.weights.clamped));
+    return {&cell, anchors, from.weights.clamped, 0.5 * (from.extrapolation + photographs)};
   }
 
-  bool backdropVisible(std::uint32_t backdrop) const {
-    PlannedCell single;  // as it is drawn
-    for (PlannedCell::View& view : single.view) view.position = {1, 0, 0, 0};
-    return visible(scene_.backdrops[backdrop], bounds_.backdrops[backdrop], single, Morph::ours);
-  }
-
-  std::size_t mostBackdrops() const {
-    return settings_.soloCells.empty() ? std::min(settings_.maxBackdrops, kLargestBackdropCount) : 0;
-  }
-
-  // Photographs taken nearest come first; of those taken in one place, the one that looks most the same way.
-  ChosenBackdrops chooseBackdrops() {
-    ChosenBackdrops chosen;
-    std::vector<BackdropCandidate>& candidates = chosen.candidates;
-    if (settings_.lowestTier < kTierBackdrop || gathers()) return chosen;
-    for (std::uint32_t b = 0; b < scene_.backdrops.size(); ++b) {
-      if (!backdropVisible(b)) continue;
-      const Pose& pose = scene_.nodes[scene_.backdrops[b].members[0]].camera.pose;
-      const glm::dvec3 axis = viewAxis(pose), forward = viewAxis(middle_);
-      candidates.push_back({b, glm::distance(pose.position, middle_.position),
-                            std::atan2(glm::length(glm::cross(axis, forward)), glm::dot(axis, forward))});
-    }
-    std::sort(candidates.begin(), candidates.end(), [&](const BackdropCandidate& a, const BackdropCandidate& b) {
-      if (a.distance != b.distance) return a.distance < b.distance;
-      if (a.angle != b.angle) return a.angle < b.angle;
-      return memberPoses(scene_, scene_.backdrops[a.backdrop]) < memberPoses(scene_, scene_.backdrops[b.backdrop]);
-    });
-    chosen.meshes = ibr::chooseBackdrops(scene_, bounds_, plan_.views, candidates, mostBackdrops());
-    return chosen;
-  }
-
-  void fadeBackdrops(const ChosenBackdrops& backdrops) {
-    if (settings_.lowestTier < kTierBackdrop || gathers()) return;
-    const std::vector<BackdropCandidate>& candidates = backdrops.candidates;
-    std::vector<std::uint32_t> chosen = backdrops.meshes;
-    std::vector<std::uint32_t> inView;
-    for (const BackdropCandidate& candidate : candidates) inView.push_back(candidate.backdrop);
-    std::ranges::sort(inView);
-    const auto visible = [&](std::uint32_t b) { return std::ranges::binary_search(inView, b); };
-    const auto wasHidden = [&](std::uint32_t b) { return std::ranges::binary_search(state_.hiddenBackdrops, b); };
-    if (fadeStep() < 1) chosen = keepWhileFading(state_.backdrops, {chosen, wasHidden, visible}, mostBackdrops());
-    std::ranges::copy_if(inView, std::back_inserter(plan_.next.hiddenBackdrops),
-                         [&](std::uint32_t b) { return std::ranges::find(chosen, b) == chosen.end(); });
-    plan_.next.backdrops =
-        showMeshes(state_.backdrops, {chosen, wasHidden, visible, kLargestBackdropCount}, fadeStep());
-    for (const ShownMesh& shown : plan_.next.backdrops) {
-      const Pose& pose = scene_.nodes[scene_.backdrops[shown.mesh].members[0]].camera.pose;
-      plan_.backdrops.push_back({shown.mesh, shown.opacity, glm::distance(pose.position, middle_.position),
-                                 correctionOf(backdropCorrections_, shown.mesh)});
-    }
-    if (plan_.cells.empty() && !plan_.backdrops.empty() && candidates[0].distance > 0)
-      plan_.nearDistance = 0.05 * candidates[0].distance;
-  }
-
-  // A scene that cannot be gathered from is drawn by its cells; overlays and chosen cells are of cells too.
+  // A scene that cannot be gathered from is drawn by its cells; chosen cells and their overlaps are of cells too.
   void choosePhotographs() {
     if (!gathers()) return;
-    if (settings_.overlay == Overlay::none && settings_.soloCells.empty())
+    if (settings_.overlay != Overlay::overlap && settings_.soloCells.empty())
       plan_.photographs =
           ibr::choosePhotographs(scene_, bounds_.gather, plan_.views, middle_, settings_.gatherCandidates);
     if (plan_.photographs.empty())
@@ -428,7 +321,7 @@ class Planner {
       next.secondsSinceSwitch = seconds_;
     }
     if (next.former.empty()) return;
-    for (const ShownMesh& shown : next.former)
+    for (const ShownCell& shown : next.former)
       if (const auto cell = plannedAgain(shown)) plan_.former.push_back(*cell);
     const double share = next.secondsSinceSwitch / settings_.switchSeconds;
     plan_.formerWeight = 1.0 - share * share * (3.0 - 2.0 * share);
@@ -441,9 +334,9 @@ class Planner {
   FramePlan plan_;
   std::vector<std::array<glm::dvec3, 4>> planes_;  // by view
   Pose middle_;
-  Corrections corrections_, backdropCorrections_;
-  double dt_ = 0;       // seconds since the frame before
-  double seconds_ = 0;  // since the last switch, this frame
+  std::map<std::uint32_t, Correction> corrections_;  // by cell
+  double dt_ = 0;                                    // seconds since the frame before
+  double seconds_ = 0;                               // since the last switch, this frame
   bool mixing_ = false;
 };
 

@@ -9,7 +9,6 @@
 
 #include "render/plan/correction.h"
 #include "render/plan/culling.h"
-#include "render/plan/draw_order.h"
 
 namespace ibr {
 
@@ -177,40 +176,16 @@ void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan) 
       if (views[v].mayShow(cell, cellBounds, placementIn(v))) return false;
     return true;
   };
-  // One is hidden if it is where its first copy stands.
-  std::vector<bool> begun(plan.backdrops.size(), false);
-  const auto addBackdrop = [&](std::uint32_t b, double share) {
-    PlannedBackdrop& planned = plan.backdrops[b];
-    const Cell& backdrop = scene.backdrops[planned.backdrop];
-    const CellBounds& backdropBounds = bounds.backdrops[planned.backdrop];
-    const auto placementIn = [&](std::size_t v) {
-      return Placement{{1, 0, 0, 0}, Morph::ours, views[v].eye(), planned.correction};
-    };
-    if (!begun[b]) planned.hidden = hidden(backdrop, backdropBounds, placementIn);
-    begun[b] = true;
-    if (planned.hidden || share * planned.opacity < 1 || isMasked(scene, backdrop)) return;
-    for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(backdrop, backdropBounds, placementIn(v));
-  };
-  const auto addCell = [&](const PlannedCell&, std::uint32_t c, std::uint32_t) {
-    if (c == kNoCell) return;  // what leaves is drawn besides, and hides nothing
-    PlannedCell& planned = plan.cells[c];
+  for (PlannedCell& planned : plan.cells) {  // what leaves is drawn besides, and hides nothing
     const Cell& cell = scene.cells[planned.cell];
     const CellBounds& cellBounds = bounds.cells[planned.cell];
     const auto placementIn = [&](std::size_t v) {
       return Placement{planned.view[v].position, plan.settings.morph, views[v].eye(), planned.correction};
     };
     planned.hidden = hidden(cell, cellBounds, placementIn);
-    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) return;  // one sees through masks
+    if (planned.hidden || planned.opacity < 1 || isMasked(scene, cell)) continue;  // one sees through masks
     for (std::size_t v = 0; v < views.size(); ++v) views[v].draw(cell, cellBounds, placementIn(v));
-  };
-  const BackdropShares shown = forTier0(plan, Order::current, scene.backdrops.size(), addBackdrop, addCell);
-  // Tier 1 is drawn from one member, which moves its vertices.
-  for (PlannedCell& planned : plan.cells)
-    planned.rejectedHidden = hidden(scene.cells[planned.cell], bounds.cells[planned.cell], [&](std::size_t v) {
-      return Placement{planned.single, plan.settings.morph, views[v].eye(), planned.correction};
-    });
-  for (std::uint32_t b = 0; b < plan.backdrops.size(); ++b)
-    if (shown[b] < 1) addBackdrop(b, 1);
+  }
 }
 
 }  // namespace ibr

@@ -51,7 +51,7 @@ class CoverMask {
   std::vector<int> winding_;   // of it: change from the tile's left neighbour to it, at their centres
 };
 
-/// Marks what is hidden in all views of a plan with our order (PlannedCell::hidden, PlannedBackdrop::hidden).
+/// Marks what is hidden in all views of a plan with our order (PlannedCell::hidden).
 void markHidden(const Scene& scene, const SceneBounds& bounds, FramePlan& plan);
 
 }  // namespace ibr

@@ -103,6 +103,39 @@ Values sumWithout(const std::vector<Candidate>& pool, const std::vector<std::siz
   return sum;
 }
 
+// As shaders/render/gather.glsl: a photograph from the view's own place counts alone.
+float gatherWeight(float value, double distance) {
+  if (!(value > 0)) return 0;
+  const double beyond =
+      1 / double(value) - double(shader::kGatherAngleFloor) + double(shader::kGatherDistanceCost) * distance;
+  const double t = std::clamp(beyond / double(shader::kGatherOwnPlace), 0.0, 1.0), apart = t * t * (3 - 2 * t);
+  return value / std::max(float(apart), shader::kGatherLeastApart);
+}
+
+// As the gather mixes colours: at each ray and depth the best photographs, by how much more they are worth than the one
+// after them.
+std::vector<double> sharesOf(const std::vector<Candidate>& pool, const std::vector<std::size_t>& members,
+                             const std::vector<float>& fade, double spacing) {
+  constexpr std::size_t kColours = 4;
+  std::vector<double> shares(members.size(), 0.0);
+  std::vector<std::pair<float, std::size_t>> best(members.size());
+  for (std::size_t place = 0; place < kPlaces; ++place) {
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      const Candidate& one = pool[members[m]];
+      best[m] = {fade[m] * gatherWeight(one.value[place], one.distance / spacing), m};
+    }
+    std::ranges::sort(best, std::ranges::greater());
+    const float least = best.size() > kColours ? best[kColours].first : 0;
+    float sum = 0;
+    for (std::size_t i = 0; i < std::min(kColours, best.size()); ++i) sum += best[i].first - least;
+    for (std::size_t i = 0; sum > 0 && i < std::min(kColours, best.size()); ++i)
+      shares[best[i].second] += double((best[i].first - least) / sum);
+  }
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
+  for (double& share : shares) share = total > 0 ? share / total : 1 / double(shares.size());
+  return shares;
+}
+
 struct Outsider {
   std::size_t candidate = 0;
   float coverage = 0;
@@ -180,10 +213,12 @@ std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const Gathe
       members[leaving] = coming;
     }
   }
+  const std::vector<double> shares = sharesOf(pool, members, fade, bounds.spacing);
   std::vector<PlannedPhotograph> result;
   for (std::size_t m = 0; m < members.size(); ++m) {
     const Candidate& one = pool[members[m]];
-    result.push_back({scene.backdrops[one.backdrop].members[0], one.backdrop, double(fade[m]), one.distance});
+    result.push_back(
+        {scene.backdrops[one.backdrop].members[0], one.backdrop, double(fade[m]), one.distance, shares[m]});
   }
   std::vector<std::size_t> order(result.size());
   std::iota(order.begin(), order.end(), std::size_t(0));

@@ -6,10 +6,8 @@ namespace ibr {
 
 // Chosen from the measured front of time and error over scenes of several kinds (libibr/docs/tradeoff.md). The hybrid
 // wins over cells and over gathered pictures in most of them; a vote of a quarter of the sides loses .04 dB at most.
-// Where cells are drawn alone fewer of them cost less of the picture than a smaller picture does; more backdrops, or a
-// larger picture, show no more. Filling holes wins most where there are any, so that only `fast` does without. No
-// colour mapping: where gains are known it loses, where they are not it hardly wins. All numbers of cells and backdrops
-// but those of `fast` are for scenes that cannot be gathered.
+// No colour mapping: where gains are known it loses, where they are not it hardly wins. The numbers of cells are for
+// scenes that cannot be gathered.
 RenderSettings preset(Preset preset, DeviceKind kind) {
   constexpr double kCoarseVote = 0.25;
   const bool software = kind == DeviceKind::software;
@@ -18,11 +16,10 @@ RenderSettings preset(Preset preset, DeviceKind kind) {
   s.lowestTier = kTierFilled;
   switch (preset) {
     case Preset::fast:
-      if (software) s.composition = Composition::cells;
+      s.gatherCandidates = 6;
+      s.gatherColours = 2;
       s.voteScale = kCoarseVote;
-      s.lowestTier = kTierBackdrop;
       s.maxCells = 2;
-      s.maxBackdrops = 4;
       s.extrapolationLimit = 1;
       break;
     case Preset::balanced:
@@ -37,7 +34,6 @@ RenderSettings preset(Preset preset, DeviceKind kind) {
       s.gatherCandidates = kMaxGatherCandidates;
       s.voteScale = 1;
       s.maxCells = kLargestCellCount;
-      s.maxBackdrops = kLargestBackdropCount;
       s.colourProxy = 2;
       s.colourPeriod = 1;
       s.shareEyeColours = false;

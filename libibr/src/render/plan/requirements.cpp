@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "render/plan/draw_order.h"
 #include "render/plan/photograph_choice.h"
 
 namespace ibr {
@@ -22,7 +21,6 @@ bool isPanorama(const Scene& scene, std::uint32_t node) {
 Requirements ofScene(const Scene& scene) {
   Requirements r;
   r.cells = std::uint32_t(scene.cells.size());
-  r.backdrops = std::uint32_t(scene.backdrops.size());
   for (std::uint32_t n = 0; n < scene.nodes.size(); ++n) {
     ++(isPanorama(scene, n) ? r.panoramas : r.pinholes);
     r.gains = r.gains || scene.nodes[n].gain != glm::dvec3(1.0);
@@ -33,11 +31,8 @@ Requirements ofScene(const Scene& scene) {
     const auto panoramas =
         std::ranges::count_if(cell.members, [&](std::uint32_t member) { return isPanorama(scene, member); });
     r.mixedCells += panoramas != 0 && std::size_t(panoramas) != cell.members.size();
-    r.rejected = r.rejected || cell.mesh.tier0Count() < cell.mesh.triangles.size();
   }
   r.gatherable = std::uint32_t(gatherableBackdrops(scene).size());
-  for (const Cell& backdrop : scene.backdrops)
-    r.stretched = r.stretched || backdrop.mesh.tier0Count() < backdrop.mesh.triangles.size();
   return r;
 }
 
@@ -45,12 +40,12 @@ Requirements ofScene(const Scene& scene) {
 
 Requirements withOptions(Requirements r, const RendererOptions& options) {
   const bool several = r.cells > 1;  // one cell has nothing to be ordered with, to switch to, or to adapt to
-  const bool any = r.cells + r.backdrops > 0;
+  const bool any = r.cells + r.gatherable > 0;
   r.colourTables = several && r.severalExposures && options.colour != ColourSupport::off;
   r.colourSequence = r.colourTables && options.colour == ColourSupport::all;
   r.depthOrder = any && has(options.orders, DrawOrder::ours);
-  r.painters = any && (has(options.orders, DrawOrder::paper) || r.colourSequence);
-  r.dissolve = any && options.dissolve;
+  r.painters = r.cells > 0 && (has(options.orders, DrawOrder::paper) || r.colourSequence);
+  r.dissolve = r.cells > 0 && options.dissolve;
   r.noise = r.dissolve || r.colourSequence ||  // whose counting chooses pixels by it
             (r.cells > 0 && (has(options.blends, BlendMode::dither) || has(options.blends, BlendMode::mixed)));
   r.switchMixing = several && options.switchMixing;
@@ -67,9 +62,7 @@ Requirements withOptions(Requirements r, const RendererOptions& options) {
   r.hiddenArea =
       r.depthOrder && (!options.hiddenArea[0].empty() || (options.views == 2 && !options.hiddenArea[1].empty()));
   const std::uint32_t leaving = r.cells > 0 ? kLargestLeavingCount : 0;
-  r.steps = (std::min(r.cells, kLargestCellCount) + leaving) * (r.rejected ? 2 : 1) +
-            std::min(r.backdrops, kLargestBackdropCount) * (r.dissolve ? 2 : 1) * (r.stretched ? 2 : 1) +
-            (r.dissolve && r.cells > 0 ? copiesBeforeCells(r.backdrops) : 0);
+  r.steps = std::min(r.cells, kLargestCellCount) + leaving;
   return r;
 }
 
@@ -90,9 +83,6 @@ std::vector<StageReason> explain(const Requirements& r, const RendererOptions& o
   add("panorama coordinates", r.panoramas > 0,
       fmt::format("{} photographs are panoramas, {} cells are mixed", r.panoramas, r.mixedCells));
   add("masks", r.masked > 0, fmt::format("{} photographs have one", r.masked));
-  add("tier 1, from one photograph", r.rejected,
-      r.rejected ? "a filter rejected triangles" : "no triangle was rejected");
-  add("backdrops", r.backdrops > 0, fmt::format("{} photographs have one", r.backdrops));
   add("order by depth", r.depthOrder, r.depthOrder ? "cells and their folds hide one another" : "not asked for");
   add("painter's order", r.painters,
       r.painters ? (r.colourSequence ? "the paper's colour mapping draws so" : "the paper's order was asked for")

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes in the order of cells, or of backdrops, that nobody sees as a jump. A mesh is either.
+// Changes in the order of cells that nobody sees as a jump.
 //
-// A mesh that changes its place is there twice for a while: the copy further back stays as it is, the one in front
-// fades, out where the mesh fell back, in where it came forward. A mesh that had been left out fades in; one that is no
+// A cell that changes its place is there twice for a while: the copy further back stays as it is, the one in front
+// fades, out where the cell fell back, in where it came forward. A cell that had been left out fades in; one that is no
 // longer drawn waits where it was for what arrives, then fades out. What comes into view is there at once: it enters at
 // the border of the picture.
 //
@@ -20,21 +20,15 @@
 namespace ibr {
 
 struct WantedOrder {
-  std::span<const std::uint32_t> meshes;                 // cells, or backdrops: best first, each once
-  std::function<bool(std::uint32_t mesh)> wasHidden;     // visible in the frame before, and not drawn
-  std::function<bool(std::uint32_t mesh)> stillVisible;  // of a mesh that is no longer wanted
-  std::size_t mostLeaving = kLargestLeavingCount;
+  std::span<const std::uint32_t> cells;                  // best first, each once
+  std::function<bool(std::uint32_t cell)> wasHidden;     // visible in the frame before, and not drawn
+  std::function<bool(std::uint32_t cell)> stillVisible;  // of a cell that is no longer wanted
+  bool backed = false;                                   // something else shows where no cell does
 };
 
-/// What this frame shows: the wanted meshes in their order, and between them those that leave, at most
-/// `mostLeaving`. `step` is the share of a fade that this frame goes; 1 or more cuts, and so does a `before` that
-/// is empty or leaves nothing in view.
-std::vector<ShownMesh> showMeshes(std::span<const ShownMesh> before, const WantedOrder& wanted, double step);
-
-/// The order wanted, but not before the last change of the one shown has faded: until then what is shown and visible
-/// keeps its place, and what comes into view, unlike what was hidden, stands behind it; `most` in all. Where that is
-/// less than half of what is wanted, it is the order wanted at once: too much would be missing.
-std::vector<std::uint32_t> keepWhileFading(std::span<const ShownMesh> before, const WantedOrder& wanted,
-                                           std::size_t most);
+/// What this frame shows: the wanted cells in their order, and between them those that leave, at most
+/// kLargestLeavingCount. `step` is the share of a fade that this frame goes; 1 or more cuts, and so does a `before`
+/// that is empty or leaves nothing in view, unless the order is backed.
+std::vector<ShownCell> showCells(std::span<const ShownCell> before, const WantedOrder& wanted, double step);
 
 }  // namespace ibr

@@ -29,15 +29,12 @@ void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuSce
     geometry.vertices.push_back(cell.mesh.inverseDistance[p]);
     usable[p] = raysAgree(scene, cell, p);
   }
-  for (std::uint8_t tier : {kTierAgrees, kTierRejected}) {
-    out.tier[tier].firstIndex = std::uint32_t(geometry.indices.size());
-    for (std::size_t t = 0; t < cell.mesh.triangles.size(); ++t) {
-      const glm::uvec3 v = cell.mesh.triangles[t];
-      if (cell.mesh.tier[t] == tier && usable[v.x] && usable[v.y] && usable[v.z])
-        geometry.indices.insert(geometry.indices.end(), {v.x, v.y, v.z});
-    }
-    out.tier[tier].indexCount = std::uint32_t(geometry.indices.size()) - out.tier[tier].firstIndex;
+  out.indices.first = std::uint32_t(geometry.indices.size());
+  for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
+    const glm::uvec3 v = cell.mesh.triangles[t];
+    if (usable[v.x] && usable[v.y] && usable[v.z]) geometry.indices.insert(geometry.indices.end(), {v.x, v.y, v.z});
   }
+  out.indices.count = std::uint32_t(geometry.indices.size()) - out.indices.first;
 }
 
 bool isPanorama(const Node& node) {
@@ -81,17 +78,16 @@ GpuScene::State::State(Device& device, const Scene& scene, const GpuSceneOptions
   const std::uint64_t meshBytes =
       vertices.allocatedBytes() + indices.allocatedBytes() + evidence.allocatedBytes() + depths.allocatedBytes();
   photographs = std::make_unique<Photographs>(device, scene, options, shownNodes(scene), meshBytes);
-  for (std::vector<Mesh>* meshes : {&cells, &backdrops})
-    for (Mesh& mesh : *meshes) {
-      const std::uint32_t first = mesh.members[0];
-      mesh.cubic = options.filter == TextureFilter::bicubic;
-      mesh.onePage = std::ranges::all_of(mesh.members, [&](std::uint32_t member) {
-        return member == first ||
-               (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
-                photographs->at(member).view == photographs->at(first).view);
-      });
-      bind(mesh, 0, 0);
-    }
+  for (Mesh& cell : cells) {
+    const std::uint32_t first = cell.members[0];
+    cell.cubic = options.filter == TextureFilter::bicubic;
+    cell.onePage = std::ranges::all_of(cell.members, [&](std::uint32_t member) {
+      return member == first ||
+             (!photographs->streams() && isPanorama(scene.nodes[member]) == isPanorama(scene.nodes[first]) &&
+              photographs->at(member).view == photographs->at(first).view);
+    });
+    bind(cell, 0, 0);
+  }
   if (!gathered.empty()) gather.emplace(device, options.filter, *photographs, depths, gathered);
   if (!photographs->streams()) return;
   cellsOfNode.resize(scene.nodes.size());
@@ -152,28 +148,25 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
   mesh.photographs = sets.get(slots, frame, completedFrame);
 }
 
-// Calls `visit` with every mesh of a plan, of the order now and of the one before; with some more than once.
+// Calls `visit` with every cell of a plan, of the order now and of the one before; with some more than once.
 template <class Meshes, class Visit>
-void forDrawn(const FramePlan& plan, Meshes& cells, Meshes& backdrops, Visit&& visit) {
-  for (const PlannedPhotograph& photograph : plan.photographs) visit(backdrops[photograph.backdrop]);
+void forCells(const FramePlan& plan, Meshes& cells, Visit&& visit) {
   if (plan.settings.composition == Composition::gathered) return;
   for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
   for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
   for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
-  for (const PlannedBackdrop& backdrop : plan.backdrops) visit(backdrops[backdrop.backdrop]);
 }
 
 WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {
   WantedNodes wanted;
   std::vector<bool> seen(scene.cellsOfNode.size(), false);
-  const auto addMembers = [&](const GpuScene::State::Mesh& mesh) {
-    for (const std::uint32_t member : mesh.members)
-      if (!seen[member]) {
-        seen[member] = true;
-        wanted.nodes.push_back(member);
-      }
+  const auto add = [&](std::uint32_t node) {
+    if (!seen[node]) wanted.nodes.push_back(node);
+    seen[node] = true;
   };
-  forDrawn(plan, scene.cells, scene.backdrops, addMembers);
+  const auto addMembers = [&](const GpuScene::State::Mesh& cell) { std::ranges::for_each(cell.members, add); };
+  for (const PlannedPhotograph& photograph : plan.photographs) add(photograph.node);
+  forCells(plan, scene.cells, addMembers);
   wanted.needed = wanted.nodes.size();
 
   std::vector<bool> reached(scene.cells.size(), false);
@@ -211,8 +204,7 @@ GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePl
                                                         state.sets.forget(view);
                                                         if (state.gather) state.gather->forget(view);
                                                       });
-  forDrawn(plan, state.cells, state.backdrops,
-           [&](GpuScene::State::Mesh& mesh) { state.bind(mesh, frame, completedFrame); });
+  forCells(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
   if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
   return streamed;
 }

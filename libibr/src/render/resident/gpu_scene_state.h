@@ -23,7 +23,7 @@ namespace ibr {
 
 struct GpuScene::State {
   struct IndexRange {
-    std::uint32_t firstIndex = 0, indexCount = 0;
+    std::uint32_t first = 0, count = 0;
   };
   struct Mesh {                          // of a cell or a backdrop
     std::vector<std::uint32_t> members;  // nodes
@@ -36,9 +36,9 @@ struct GpuScene::State {
     bool exposed = false;                // a photograph of the scene has one that is not 1
     bool onePage = false;                // all of them are layers of one image, for good, and sampled alike
     VkDeviceSize vertexOffset = 0;       // bytes into `vertices`; q_0 … q_{d−1}, ρ: 3d + 1 floats a vertex
-    IndexRange tier[2];                  // agreeing, rejected (of a backdrop: stretched)
+    IndexRange indices;                  // of its triangles of tier 0; no others are drawn
     VkDeviceSize evidenceOffset = 0;     // bytes into `evidence`; of a backdrop that can be gathered from
-    VkDescriptorSet photographs = VK_NULL_HANDLE;
+    VkDescriptorSet photographs = VK_NULL_HANDLE;  // of a cell
   };
 
   State(Device& device, const Scene& scene, const GpuSceneOptions& options);
@@ -65,8 +65,8 @@ constexpr std::uint32_t vertexStride(std::size_t members) {
   return std::uint32_t((3 * members + 1) * sizeof(float));
 }
 
-/// Nodes by how urgent they are for a plan: its main cell's, then those of further cells, of the former order and of
-/// backdrops; after these, up to `most` in all, those around the main cell by their distance in the graph.
+/// Nodes by how urgent they are for a plan: its photographs, its main cell's members, then those of further cells and
+/// of the former order; after these, up to `most` in all, those around the main cell by their distance in the graph.
 struct WantedNodes {
   std::vector<std::uint32_t> nodes;
   std::size_t needed = 0;  // of them

@@ -716,8 +716,8 @@ TEST_CASE("cells that are kept for further builds change none of them") {
   const Set set;
   BuildOptions whole = set.options("whole"), part = set.options("part"), alone = set.options("alone");
   part.exclude = alone.exclude = {"001.png"};  // what remains is one of the square's two triangles
-  // Swept among its members: with their depth it would depend on all photographs that see the same places.
-  for (BuildOptions* options : {&whole, &part, &alone}) options->depth = DepthSearch::fast;
+  // Matched by planes: with its members' depth it would depend on all photographs that see the same places.
+  for (BuildOptions* options : {&whole, &part, &alone}) options->matcher = MatchMethod::homographic;
   whole.finishedCells = part.finishedCells = set.folder / "cells";
   CHECK(std::ranges::none_of(build(whole).cells, [](const auto& cell) { return cell.resumed; }));
   const BuildReport shared = build(part);
@@ -767,19 +767,25 @@ TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {
     const Scene scene = loadScene(options.output);
     CHECK_THAT(scene.settings, Contains(fmt::format(R"("depth":"{}")", depthSearchName(search))));
     CHECK(scene.backdrops.size() == 4);
+    for (const Node& node : scene.nodes) {
+      const DepthMaps maps = readDepthTexture(readKtx2(options.output / node.depthFile), node.depthScale);
+      CHECK((maps.inverseDepth.width == 32 && maps.inverseDepth.height == 24));
+      CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));  // the wall is 4 away
+    }
     std::size_t files = 0;
     for (const auto& entry : fs::directory_iterator(options.finishedCells)) {
       if (entry.path().extension() != ".depth") continue;
       ++files;
       bytes[search] += entry.file_size();
     }
-    CHECK(files == (search == DepthSearch::fast ? 0 : kept + 4));
+    CHECK(files == kept + 4);
     kept = files;
   }
-  // `bytes` are of all searches up to that one; four times the pixels.
-  CHECK(bytes[DepthSearch::refined] == 2 * bytes[DepthSearch::swept]);
+  // `bytes` are of all searches up to that one; the last has four times the pixels.
+  CHECK(bytes[DepthSearch::swept] == 2 * bytes[DepthSearch::fast]);
+  CHECK(bytes[DepthSearch::refined] == 3 * bytes[DepthSearch::fast]);
   CHECK(double(bytes[DepthSearch::fine] - bytes[DepthSearch::refined]) ==
-        Approx(4.0 * double(bytes[DepthSearch::swept])).epsilon(0.01));
+        Approx(4.0 * double(bytes[DepthSearch::fast])).epsilon(0.01));
 }
 
 TEST_CASE("posed photographs are those that a build stores") {

@@ -6,12 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <set>
 #include <span>
 
 #include "author/backdrop/backdrop.h"
 #include "author/backdrop/complete_depth.h"
 #include "scene/synth/synthetic.h"
 #include "support/error_of.h"
+#include "support/exact_depth.h"
 
 using namespace ibr;
 
@@ -20,8 +23,9 @@ namespace {
 constexpr int kWidth = 96, kHeight = 72;
 constexpr double kDistance = 4;
 constexpr std::uint32_t kPanorama = 3;
+const std::set<std::uint32_t> kMatched{0, 1, 2, 4};  // of wall()
 
-// Photographs of a wall .5 apart, joined by exact cells but for the last one; a panorama stands among them.
+// Photographs of a wall .5 apart; a panorama stands among them.
 SyntheticScene wall() {
   SyntheticOptions options;
   const auto add = [&](double x) {
@@ -31,10 +35,18 @@ SyntheticScene wall() {
   options.cameras.push_back({{CameraModel::equirectangular, 64, 32}, {{1.2, 0, 0}, {1, 0, 0, 0}}});
   for (const double x : {1.5, 2.0}) add(x);
   options.planes = {{.origin = {0, 0, -kDistance}, .extentU = 40, .extentV = 40, .wavelength = 1}};
-  options.cells = {{0, 1}, {1, 2}, {2, 4}};
-  options.gridStep = 8;
+  options.cells = {{0, 1}};  // of no account
+  options.gridStep = kWidth;
   options.samplesPerAxis = 1;
   return makeScene(options);
+}
+
+std::vector<PhotographDepth> depthsOf(const SyntheticScene& made, const PhotographDepthOptions& options) {
+  return depthOfPhotographs(test::camerasOf(made.scene), options);
+}
+
+bool isUnknown(const ImageF& map) {
+  return std::ranges::all_of(map.values, [](float w) { return w == kUnknownDepth; });
 }
 
 float valueAt(const ImageF& map, int x, int y) {
@@ -48,10 +60,10 @@ CompletedDepth uniform(int width, int height) {
 
 }  // namespace
 
-TEST_CASE("each photograph of a scene has the depth of its cells, and is confirmed by the others") {
-  SyntheticScene made = wall();
-  for (std::size_t c = 0; c < 3; ++c) made.scene.cells[c].quality.residualPx = double(c);
-  const std::vector<PhotographDepth> depths = depthOfPhotographs(made.scene);
+TEST_CASE("each photograph has the depth that was matched, and is confirmed by the others") {
+  const SyntheticScene made = wall();
+  const std::vector<PhotographDepth> depths =
+      depthsOf(made, {.matches = test::exactMatches(made, kMatched), .residualPx = 1});
   REQUIRE(depths.size() == 6);
   for (std::uint32_t n = 0; n < 6; ++n) {
     if (n == kPanorama) continue;
@@ -64,19 +76,18 @@ TEST_CASE("each photograph of a scene has the depth of its cells, and is confirm
   for (const std::uint32_t n : {0, 1, 2, 4})
     CHECK(valueAt(depths[n].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
   CHECK(int(depths[1].evidence.confirmations.pixel(kWidth / 2, kHeight / 2)[0]) == 3);
-  CHECK(std::ranges::all_of(depths[5].matched.map.inverseDepth.values, [](float w) { return w == kUnknownDepth; }));
+  for (const std::uint32_t n : {kPanorama, 5u}) CHECK(isUnknown(depths[n].matched.map.inverseDepth));
 }
 
-TEST_CASE("a panorama has the distance of its cells along each ray, and confirms and is confirmed") {
+TEST_CASE("a panorama has the distance along each ray that its faces have, and confirms and is confirmed") {
   SyntheticOptions options;
   for (const double x : {0.0, 0.5, 1.0})
     options.cameras.push_back({{CameraModel::equirectangular, 128, 64}, {{x, 0, 0}, {1, 0, 0, 0}}});
   options.planes = {{.origin = {0, 0, -kDistance}, .extentU = 40, .extentV = 40, .wavelength = 1}};
-  options.cells = {{0, 1}, {1, 2}};
-  options.gridStep = 2;
+  options.cells = {{0, 1}};  // of no account
   options.samplesPerAxis = 1;
   const SyntheticScene made = makeScene(options);
-  const std::vector<PhotographDepth> depths = depthOfPhotographs(made.scene);
+  const std::vector<PhotographDepth> depths = depthsOf(made, {.matches = test::exactMatches(made, {0, 1, 2})});
   REQUIRE(depths.size() == 3);
   for (std::uint32_t n = 0; n < 3; ++n) {
     CAPTURE(n);
@@ -93,13 +104,15 @@ TEST_CASE("a panorama has the distance of its cells along each ray, and confirms
   }
 }
 
-TEST_CASE("a photograph that no cell has takes the depth of its points") {
+TEST_CASE("a photograph that was not matched takes the depth of its points") {
   const SyntheticScene made = wall();
   std::vector<std::uint32_t> asked;
-  const std::vector<PhotographDepth> depths = depthOfPhotographs(made.scene, {.points = [&](std::uint32_t node) {
-                                                                   asked.push_back(node);
-                                                                   return std::vector<glm::dvec3>{{2, 0, -5}};
-                                                                 }});
+  const PhotographPoints points = [&](std::uint32_t node) {
+    asked.push_back(node);
+    return std::vector<glm::dvec3>{{2, 0, -5}};
+  };
+  const std::vector<PhotographDepth> depths =
+      depthsOf(made, {.matches = test::exactMatches(made, kMatched), .points = points});
   // The panorama is asked for each of its faces.
   CHECK(asked == std::vector<std::uint32_t>{kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, kPanorama, 5});
   CHECK(depths[kPanorama].sparse);
@@ -110,13 +123,13 @@ TEST_CASE("a photograph that no cell has takes the depth of its points") {
   for (const float rho : whole.maps.inverseDepth.values) CHECK(rho == Approx(0.2));
 }
 
-TEST_CASE("a panorama that no cell has takes the depth of its points") {
+TEST_CASE("a panorama that was not matched takes the depth of its points") {
   const SyntheticScene made = wall();
   std::vector<glm::dvec3> points;
   for (int y = -10; y <= 10; ++y)
     for (int x = -10; x <= 10; ++x) points.push_back({1.2 + 0.3 * x, 0.3 * y, -5});
   const std::vector<PhotographDepth> depths =
-      depthOfPhotographs(made.scene, {.points = [&](std::uint32_t) { return points; }});
+      depthsOf(made, {.matches = test::exactMatches(made, kMatched), .points = [&](std::uint32_t) { return points; }});
   const ImageF& map = depths[kPanorama].matched.map.inverseDepth;
   std::size_t known = 0;
   for (int y = 0; y < map.height; ++y)
@@ -155,22 +168,23 @@ TEST_CASE("depth does not depend on the order of its jobs, and a runner may stop
   const JobRunner backwards = [](std::size_t count, const std::function<void(std::size_t)>& job) {
     for (std::size_t i = count; i-- > 0;) job(i);
   };
-  const auto one = depthOfPhotographs(made.scene),
-             two = depthOfPhotographs(made.scene, {.depths = backwards, .evidence = backwards});
+  const DepthMatches matches = test::exactMatches(made, kMatched);
+  const auto one = depthsOf(made, {.matches = matches}),
+             two = depthsOf(made, {.matches = matches, .depths = backwards, .evidence = backwards});
+  REQUIRE(one.size() == 6);
   for (std::size_t i = 0; i < one.size(); ++i) {
     CHECK(one[i].matched.map.inverseDepth == two[i].matched.map.inverseDepth);
     CHECK(one[i].evidence.confirmations == two[i].evidence.confirmations);
     CHECK(one[i].evidence.contradictions == two[i].evidence.contradictions);
   }
   const JobRunner stops = [](std::size_t, const auto&) { throw Error(ErrorCode::cancelled, "stopped"); };
-  for (const PhotographDepthOptions& options :
-       {PhotographDepthOptions{.depths = stops}, PhotographDepthOptions{.evidence = stops}})
-    CHECK(test::errorOf([&] { depthOfPhotographs(made.scene, options); }).code() == ErrorCode::cancelled);
+  for (const PhotographDepthOptions& options : {PhotographDepthOptions{.matches = matches, .depths = stops},
+                                                PhotographDepthOptions{.matches = matches, .evidence = stops}})
+    CHECK(test::errorOf([&] { depthsOf(made, options); }).code() == ErrorCode::cancelled);
 }
 
-TEST_CASE("a scene without photographs has no depth of photographs") {
-  CHECK(depthOfPhotographs({}).empty());
-  CHECK(medianResidualPx({}) == 0);
+TEST_CASE("no photographs have no depth") {
+  CHECK(depthOfPhotographs({}, {}).empty());
 }
 
 TEST_CASE("completed depth keeps what is confirmed and what nobody could confirm, and has no confirmations elsewhere") {
@@ -227,22 +241,26 @@ TEST_CASE("confirmed surfaces that are too small are completed from around") {
   }
 }
 
-TEST_CASE("what was matched for a photograph comes before what its cells have, and brings its sky") {
+TEST_CASE("what was matched for a photograph comes before its points, and brings its size and its sky") {
   const SyntheticScene made = wall();
   SweptDepth matched{ImageF(48, 36, 1, 0.125f), Image8(48, 36, 1, 0)};
   matched.sky.values[7] = 255;
-  const std::vector<PhotographDepth> depths = depthOfPhotographs(
-      made.scene, {.matches = [&](std::size_t view) -> std::optional<SweptDepth> {
-        if (view == 2)
-          return SweptDepth{ImageF(2 * kWidth, 2 * kHeight, 1, 0.125f), Image8(2 * kWidth, 2 * kHeight, 1)};
-        return view == 1 ? std::optional(matched) : std::nullopt;
-      }});
+  const DepthMatches matches = [&](std::size_t view) -> std::optional<SweptDepth> {
+    if (view == 2) return SweptDepth{ImageF(2 * kWidth, 2 * kHeight, 1, 0.125f), Image8(2 * kWidth, 2 * kHeight, 1)};
+    return view == 1 ? std::optional(matched) : std::nullopt;
+  };
+  const PhotographPoints points = [](std::uint32_t node) {
+    return std::vector<glm::dvec3>{{0.5 * node, 0, -kDistance}};
+  };
+  const std::vector<PhotographDepth> depths = depthsOf(made, {.matches = matches, .points = points});
   CHECK(depths[2].finer == 2);
   CHECK(depths[1].matched.map.inverseDepth == matched.inverseDepth);
   CHECK(depths[1].sky == matched.sky);
   CHECK(depths[1].matched.map.camera.intrinsics.width == 48);
   CHECK(depths[1].matched.map.camera.intrinsics.fx == Approx(made.scene.nodes[1].camera.intrinsics.fx / 2));
   CHECK(depths[1].finer == 1);
+  CHECK((!depths[1].sparse && !depths[2].sparse));
+  CHECK(depths[0].sparse);
   CHECK(depths[0].sky.empty());
   CHECK(valueAt(depths[0].matched.map.inverseDepth, kWidth / 2, kHeight / 2) == Approx(1 / kDistance).epsilon(1e-3));
 }

@@ -9,13 +9,15 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "author/backdrop/complete_depth.h"
-#include "author/backdrop/scene_depth.h"
 #include "author/eval/lumigraph.h"
 #include "ibr/error.h"
 #include "ibr/metrics.h"
+#include "image/depth_texture.h"
+#include "image/ktx2.h"
 #include "image/srgb.h"
 #include "io/image_file.h"
 #include "scene/synth/synthetic.h"
+#include "support/exact_depth.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -31,7 +33,7 @@ Camera cameraAt(glm::dvec3 position, double yaw = 0) {
 const TexturedPlane kWall{.origin = {0, 0, -5}, .extentU = 24, .extentV = 16, .wavelength = 0.6};
 const TexturedPlane kSign{.origin = {0.3, 0.1, -3}, .extentU = 1, .extentV = 0.8, .seed = 2, .wavelength = 0.4};
 
-// A scene as `ibr build` leaves it, with its pictures.
+// A scene as `ibr build` leaves it, with its pictures and their depth, which is exact.
 struct Place {
   explicit Place(std::vector<TexturedPlane> planes) {
     SyntheticOptions options;
@@ -44,9 +46,20 @@ struct Place {
     for (std::size_t i = 0; i < made.photographs.size(); ++i) {
       made.scene.nodes[i].imageFile = made.scene.nodes[i].name + ".png";
       writeImage(folder / made.scene.nodes[i].imageFile, made.photographs[i]);
+      writeDepth(i, exactDepth(i));
     }
   }
   const Scene& scene() const { return made.scene; }
+  DepthMaps exactDepth(std::size_t i) const {
+    return {test::exactInverseDepth(made, made.scene.nodes[i].camera), ImageF(kWidth, kHeight, 1, 0.9f)};
+  }
+  void writeDepth(std::size_t i, const DepthMaps& maps) {
+    Node& node = made.scene.nodes[i];
+    const DepthTexture depth = depthTexture(maps, kWidth);
+    node.depthFile = node.name + ".depth.ktx2";
+    node.depthScale = depth.scale;
+    writeKtx2(folder / node.depthFile, depth.texture);
+  }
 
   test::TemporaryFolder folder;
   SyntheticScene made;
@@ -72,9 +85,7 @@ double share(const Image8& mask) {
 }
 
 DepthMap exactMap(const SyntheticScene& scene, const Camera& camera) {
-  DepthMap map{camera, renderDepth(scene, camera)};
-  for (float& value : map.inverseDepth.values) value = 1 / value;
-  return map;
+  return {camera, test::exactInverseDepth(scene, camera)};
 }
 
 }  // namespace
@@ -150,6 +161,34 @@ TEST_CASE("where something stands before the wall, depth is worth having") {
   CHECK(lumigraph > score(baselines.crossFade(view, place.scene().cells[0], std::array{0.4, 0.4, 0.2})) + 3);
 }
 
+TEST_CASE("the plane of the nearest photograph goes by depth that was matched, not by what was completed") {
+  Place place({kWall});
+  const Camera view = cameraAt({0.1, 0, 0});
+  const Image8 expected = Baselines(place.scene()).nearest(view);
+  DepthMaps guessed = place.exactDepth(0);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth * 3 / 4; ++x) {
+      guessed.inverseDepth.pixel(x, y)[0] = 0.02f;
+      guessed.consensus.pixel(x, y)[0] = 0.1f;
+    }
+  place.writeDepth(0, guessed);
+  CHECK(Baselines(place.scene()).nearest(view) == expected);
+  std::ranges::fill(guessed.consensus.values, 0.9f);
+  place.writeDepth(0, guessed);
+  CHECK(largestDifference(Baselines(place.scene()).nearest(view), expected) > 20);
+}
+
+TEST_CASE("photographs without a depth texture are shown as though all were infinitely far away") {
+  Place place({kWall, kSign});
+  for (Node& node : place.made.scene.nodes) node.depthFile.clear();
+  Baselines baselines(place.scene());
+  const Camera view = cameraAt({0.1, 0, 0});  // nothing moves by its own parallax
+  CHECK(largestDifference(baselines.nearest(view), place.made.photographs[0]) <= 1);
+  const Image8 picture = baselines.lumigraph(view);
+  CHECK(share(shown(picture)) > 0.9);
+  CHECK(psnr(picture, renderTruth(place.made, view), shown(picture)) < 26);  // depth would be worth having
+}
+
 TEST_CASE("baselines do not depend on how many photographs are kept, nor on threads") {
   const Place place({kWall, kSign});
   const Camera view = cameraAt({0.25, 0.15, 0});
@@ -186,26 +225,6 @@ TEST_CASE("baselines refuse what they cannot show") {
   Scene masked = place.scene();
   masked.nodes[1].maskFile = "masks/view1.png";
   CHECK_THROWS_WITH(Baselines(masked), Catch::Contains("view1") && Catch::Contains("--baselines"));
-}
-
-TEST_CASE("depth in a scene is what its meshes say") {
-  const Place place({kWall, kSign});
-  for (std::uint32_t node = 0; node < 3; ++node) {
-    const ImageF depth = depthInScene(place.scene(), node, {kWidth, kHeight});
-    const ImageF exact = renderDepth(place.made, place.scene().nodes[node].camera);
-    std::size_t known = 0, right = 0;
-    for (std::size_t i = 0; i < depth.values.size(); ++i) {
-      if (depth.values[i] < 0) continue;
-      ++known;
-      right += std::abs(depth.values[i] * exact.values[i] - 1) < 1e-3f;
-    }
-    CHECK(double(known) > 0.5 * double(depth.values.size()));
-    CHECK(double(right) > 0.99 * double(known));
-  }
-  Scene rejected = place.scene();
-  for (auto& tier : rejected.cells[0].mesh.tier) tier = kTierRejected;
-  const ImageF nothing = depthInScene(rejected, 0, {40, 30});
-  CHECK(std::ranges::all_of(nothing.values, [](float w) { return w == kUnknownDepth; }));
 }
 
 TEST_CASE("a depth map brought into another view is that view's depth") {

@@ -6,6 +6,7 @@
 #include <glm/exponential.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
+#include <set>
 
 #include "author/exposure/exposure.h"
 #include "author/exposure/exposure_overlap.h"
@@ -13,6 +14,7 @@
 #include "image/srgb.h"
 #include "io/image_file.h"
 #include "scene/synth/synthetic.h"
+#include "support/exact_depth.h"
 #include "support/temporary_folder.h"
 
 using namespace ibr;
@@ -44,15 +46,16 @@ std::vector<Camera> faces(glm::dvec3 place) {
 // Photographs of a room on the disk, each as its camera's exposure and lens make it.
 class Taken {
  public:
-  Taken(const std::vector<Camera>& cameras, const std::vector<std::vector<std::uint32_t>>& cells) {
+  // With depth, all of them have it exact.
+  explicit Taken(const std::vector<Camera>& cameras, bool hasDepth = false) {
     SyntheticOptions options;
     options.cameras = cameras;
-    options.cells = cells.empty() ? std::vector<std::vector<std::uint32_t>>{{0, 1}} : cells;
-    options.gridStep = 12;
+    options.cells = {{0, 1}};  // of no account
+    options.gridStep = kSide;
     options.planes = roomPlanes({-5, -4, -6}, {6, 3, 5}, 1.5);
     options.samplesPerAxis = 2;
     scene = makeScene(options);
-    if (cells.empty()) scene.scene.cells.clear();
+    for (std::uint32_t n = 0; hasDepth && n < cameras.size(); ++n) matched_.insert(n);
   }
 
   // `exposures` times what is there, clipped.
@@ -81,10 +84,10 @@ class Taken {
   }
 
   std::vector<ExposureMatch> matches() const {
-    return exposureMatches(photographs, model, depthOfPhotographs(scene.scene), BuildJobs(2, 0, silent_));
+    return exposureMatches(photographs, model, depths(), BuildJobs(2, 0, silent_));
   }
   std::vector<OverlapPoint> overlaps() const {
-    return overlapPoints(photographs, model, depthOfPhotographs(scene.scene), BuildJobs(2, 0, silent_));
+    return overlapPoints(photographs, model, depths(), BuildJobs(2, 0, silent_));
   }
   Exposures measured() const { return solveExposures(photographs.size(), matches()); }
 
@@ -94,6 +97,11 @@ class Taken {
   PosedModel model;
 
  private:
+  std::vector<PhotographDepth> depths() const {
+    return depthOfPhotographs(camerasOf(scene.scene), {.matches = exactMatches(scene, matched_)});
+  }
+
+  std::set<std::uint32_t> matched_;
   ProgressCallback silent_;
 };
 
@@ -116,7 +124,7 @@ double worstError(const Gains& gains, const Gains& exposures) {
 }  // namespace
 
 TEST_CASE("photographs from one spot tell their exposures by what their borders share, without depth or points") {
-  Taken taken(faces({0, 0, 0}), {});
+  Taken taken(faces({0, 0, 0}));
   taken.take(kExposures);
   const Exposures exposures = taken.measured();
   CHECK(exposures.measured == 6);
@@ -132,7 +140,7 @@ TEST_CASE("photographs from one spot tell their exposures by what their borders 
 TEST_CASE("overlaps lie where both photographs show one place") {
   std::vector<Camera> cameras = faces({0, 0, 0});
   for (const Camera& camera : faces({0.5, 0.2, 0.1})) cameras.push_back(camera);
-  Taken taken(cameras, {{0, 6}, {1, 7}, {2, 8}, {3, 9}, {4, 10}, {5, 11}});
+  Taken taken(cameras, true);
   taken.take(Gains(12, glm::dvec3(1)));
   std::size_t across = 0, ahead = 0;
   for (const OverlapPoint& point : taken.overlaps()) {
@@ -151,7 +159,7 @@ TEST_CASE("overlaps lie where both photographs show one place") {
 }
 
 TEST_CASE("where parallax is large and no depth is known, nothing is compared") {
-  Taken taken({lookingFrom({-1, 0, 0}, turned(0, 0)), lookingFrom({1, 0, 0.5}, turned(0.3, 0))}, {});
+  Taken taken({lookingFrom({-1, 0, 0}, turned(0, 0)), lookingFrom({1, 0, 0.5}, turned(0.3, 0))});
   taken.take(Gains(2, glm::dvec3(1)));
   CHECK(taken.overlaps().empty());
   const Exposures exposures = taken.measured();
@@ -163,7 +171,7 @@ TEST_CASE("where parallax is large and no depth is known, nothing is compared") 
 TEST_CASE("parts that look away from each other keep a mean each, and it is said") {
   std::vector<Camera> cameras{lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.6, 0)),
                               lookingFrom({0, 0, 0}, turned(2.9, 0)), lookingFrom({0, 0, 0}, turned(3.5, 0))};
-  Taken taken(cameras, {});
+  Taken taken(cameras);
   const Gains exposures{glm::dvec3(1), glm::dvec3(0.5), glm::dvec3(0.9), glm::dvec3(0.6)};
   taken.take(exposures);
   const Exposures found = taken.measured();
@@ -177,7 +185,7 @@ TEST_CASE("parts that look away from each other keep a mean each, and it is said
 }
 
 TEST_CASE("what is masked is not compared") {
-  Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))}, {});
+  Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))});
   taken.take({glm::dvec3(1), glm::dvec3(0.7)});
   // Somebody in a pale coat stands where most of the overlap is, in the first alone.
   Image8 picture = readImage(taken.folder / "0.png"), mask(kSide, kSide, 1, 255);
@@ -195,7 +203,7 @@ TEST_CASE("what is masked is not compared") {
 }
 
 TEST_CASE("photographs that are clipped all over, or alone, are left as they are") {
-  Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))}, {});
+  Taken taken({lookingFrom({0, 0, 0}, turned(0, 0)), lookingFrom({0, 0, 0}, turned(0.5, 0))});
   taken.take({glm::dvec3(1), glm::dvec3(3000)});
   const Exposures clipped = taken.measured();
   CHECK(clipped.measured == 0);
@@ -207,7 +215,7 @@ TEST_CASE("photographs that are clipped all over, or alone, are left as they are
 
 TEST_CASE("a lens that shades its corners is told from exposures") {
   const glm::dvec2 planted(-0.35, -0.25);  // corners have 55 % of the light
-  Taken taken(faces({0, 0, 0}), {});
+  Taken taken(faces({0, 0, 0}));
   const Gains exposures{{1, 0.9, 1}, {0.55, 0.6, 0.52}, {0.8, 0.8, 0.9}, {0.7, 0.66, 0.74}, {1, 1, 1}, {0.9, 1, 1}};
   taken.take(exposures, planted);
   const std::vector<ExposureMatch> matches = taken.matches();
@@ -221,7 +229,7 @@ TEST_CASE("a lens that shades its corners is told from exposures") {
 }
 
 TEST_CASE("a picture without its lens's shade is what was there") {
-  Taken taken(std::vector<Camera>(2, lookingFrom({0, 0, 0}, turned(0, 0))), {});
+  Taken taken(std::vector<Camera>(2, lookingFrom({0, 0, 0}, turned(0, 0))));
   const glm::dvec2 planted(-0.4, -0.3);
   taken.take(Gains(2, glm::dvec3(0.9)));
   const Image8 there = readImage(taken.folder / "0.png");
@@ -248,7 +256,7 @@ TEST_CASE("a picture without its lens's shade is what was there") {
 }
 
 TEST_CASE("photographs of one camera, aperture and zoom share a lens") {
-  Taken taken(faces({0, 0, 0}), {});
+  Taken taken(faces({0, 0, 0}));
   taken.take(kExposures);
   CHECK(lensesOf(taken.photographs) == std::vector<std::uint32_t>(6, 0));
   taken.photographs[1].capture.fNumber = 2.8;

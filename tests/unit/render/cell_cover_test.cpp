@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which cells cover a view best (render/plan/cell_cover.h, cell_choice.h).
+#include "render/plan/cell_cover.h"
+
+#include <algorithm>
+#include <bit>
+#include <catch2/catch.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+#include <random>
+
+using namespace ibr;
+
+namespace {
+
+Camera viewAt(glm::dvec3 position, glm::dquat rotation = {1, 0, 0, 0}) {
+  return {pinholeFromFov(640, 480, std::numbers::pi / 3), {position, rotation}};
+}
+
+// Points all over what a camera sees at a distance along its axis; at infinity for 0 of its inverse.
+CellBounds seenFrom(const Camera& camera, double inverseDistance) {
+  CellBounds bounds;
+  const Intrinsics& k = camera.intrinsics;
+  for (int y = 0; y < 12; ++y)
+    for (int x = 0; x < 16; ++x) {
+      const glm::dvec2 pixel((x + 0.5) * k.width / 16, (y + 0.5) * k.height / 12);
+      glm::dvec3 ray = unproject(k, pixel);
+      ray /= -ray.z;
+      bounds.surface.emplace_back(glm::vec3(camera.pose.rotation * ray), float(inverseDistance));
+    }
+  return bounds;
+}
+
+CellCover tiles(std::initializer_list<std::size_t> set) {
+  CellCover cover;
+  for (const std::size_t tile : set) cover.set(tile);
+  return cover;
+}
+
+}  // namespace
+
+TEST_CASE("a cell covers the tiles that its points are seen in, of each view") {
+  const Camera camera = viewAt({3, 1, -2});
+  const CellBounds bounds = seenFrom(camera, 0.2);
+  const glm::dvec3 place = camera.pose.position;
+  CHECK(coverOf(bounds, place, std::vector{camera}).count() == kCoverTiles / 2);
+  CHECK(coverOf(bounds, place, std::vector{camera, camera}).count() == kCoverTiles);
+  // Turned by half of the field of view: the half of the picture towards the cell.
+  const Camera aside = viewAt(place, glm::angleAxis(std::numbers::pi / 6, glm::dvec3(0, 1, 0)));
+  const std::size_t half = coverOf(bounds, place, std::vector{aside}).count();
+  CHECK(half >= kCoverTiles / 4);
+  CHECK(half < kCoverTiles / 2);
+  const Camera away = viewAt(place, glm::angleAxis(std::numbers::pi, glm::dvec3(0, 1, 0)));
+  CHECK(coverOf(bounds, place, std::vector{away}).none());
+  CHECK(coverOf({}, place, std::vector{camera}).none());
+}
+
+TEST_CASE("what lies at infinity is covered from everywhere, also far from the origin") {
+  const Camera camera = viewAt({0, 0, 0});
+  const CellBounds sky = seenFrom(camera, 0), wall = seenFrom(camera, 0.1);
+  for (const double far : {0.0, 1e3, 1e9, 1e12}) {
+    const Camera moved = viewAt({far, 0, 0});
+    CHECK(coverOf(sky, {0, 0, 0}, std::vector{moved}).count() == kCoverTiles / 2);
+    CHECK(coverOf(wall, {far, 0, 0}, std::vector{moved}).count() == kCoverTiles / 2);  // the world moved
+    if (far > 0) CHECK(coverOf(wall, {0, 0, 0}, std::vector{moved}).none());
+  }
+}
+
+TEST_CASE("cells are chosen by what they add, not by what they are worth alone") {
+  // 0 and 1 show the same four tiles and are worth most; 2 shows another one.
+  const std::vector<CellCover> covers{tiles({0, 1, 2, 3}), tiles({0, 1, 2, 3}), tiles({4})};
+  const std::vector<double> worth{1, 0.9, 0.3};
+  CHECK(coveringCells(covers, worth, 0, 2, 3) == std::vector<std::size_t>{0, 2});
+  CHECK(coveringCells(covers, worth, 0, 1, 3) == std::vector<std::size_t>{0});
+  CHECK(coveringCells(covers, worth, 0, 0, 3).empty());
+  CHECK(coveringCells(covers, worth, 0, 3, 3) == std::vector<std::size_t>{0, 1, 2});
+  CHECK(coveringCells(covers, worth, 0, 64, 3).size() == 3);
+  CHECK(coveringCells(covers, worth, 0, 1, 1) == std::vector<std::size_t>{1});  // forced
+  CHECK(coveringCells({}, {}, 0, 4, 0).empty());
+  // What is behind is worth more than the last.
+  CHECK(coveringCells(covers, worth, 0.5, 2, 3) == std::vector<std::size_t>{0});
+  CHECK(coveringCells(covers, worth, 0.5, 8, 3) == std::vector<std::size_t>{0});
+  CHECK(coveringCells(covers, worth, 2, 2, 3).empty());
+  CHECK(coveringCells(covers, worth, 2, 2, 1) == std::vector<std::size_t>{1});
+  // Where nothing is gained the given order decides.
+  const std::vector<CellCover> none(3);
+  CHECK(coveringCells(none, worth, 0, 2, 3) == std::vector<std::size_t>{0, 1});
+}
+
+TEST_CASE("the chosen cells cover at least (1 - 1/e) of what the best cells could") {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int repeat = 0; repeat < 50; ++repeat) {
+    constexpr std::size_t kCells = 8, kMost = 3;
+    std::vector<CellCover> covers(kCells);
+    std::vector<double> worth(kCells);
+    for (std::size_t c = 0; c < kCells; ++c) {
+      worth[c] = 0.1 + unit(random);
+      for (std::size_t tile = 0; tile < kCoverTiles; ++tile) covers[c][tile] = unit(random) < 0.3;
+    }
+    const auto value = [&](unsigned set) {
+      double sum = 0;
+      for (std::size_t tile = 0; tile < kCoverTiles; ++tile) {
+        double best = 0;
+        for (std::size_t c = 0; c < kCells; ++c)
+          if ((set >> c & 1) != 0 && covers[c][tile]) best = std::max(best, worth[c]);
+        sum += best;
+      }
+      return sum;
+    };
+    double best = 0;
+    for (unsigned set = 0; set < 1u << kCells; ++set)
+      if (std::popcount(set) == int(kMost)) best = std::max(best, value(set));
+    unsigned chosen = 0;
+    for (const std::size_t c : coveringCells(covers, worth, 0, kMost, kCells)) chosen |= 1u << c;
+    CHECK(std::popcount(chosen) == int(kMost));
+    CHECK(value(chosen) >= (1 - 1 / std::numbers::e) * best);
+  }
+}
