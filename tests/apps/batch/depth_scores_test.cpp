@@ -51,3 +51,24 @@ TEST_CASE("completed, filled and empty pixels are guessed; matched ones are not"
   CHECK(drawn.values[4] < 0);
   CHECK(drawn.values[5] < 0);
 }
+
+TEST_CASE("deviations hold what confirmed depth is off by, in inverse depth") {
+  FrameBuffers buffers{ImageF(6, 1, 4), ImageF(6, 1, 4), ImageF(6, 1, 2)};
+  const auto set = [&](int x, float depth, float tier, float deviation) {
+    buffers.surface.pixel(x, 0)[0] = depth;
+    buffers.surface.pixel(x, 0)[1] = tier;
+    buffers.confidence.pixel(x, 0)[1] = deviation;
+  };
+  const ImageF truth = row({4, 4, 4, 4, 0, 4});
+  set(0, 4, kTierAgrees, 0);              // exact
+  set(1, 1 / 0.26f, kTierAgrees, 0.02f);  // off by half a deviation
+  set(2, 1 / 0.28f, kTierAgrees, 0.02f);  // by one and a half
+  set(3, kInfinity, kTierAgrees, 0.1f);   // by two and a half
+  set(4, 4, kTierAgrees, 1);              // sky in the truth
+  set(5, 4, kTierCompleted, 1);           // nobody confirms it
+  CHECK(deviationScores(buffers, truth).one == Approx(2.0 / 4));
+  CHECK(deviationScores(buffers, truth).two == Approx(3.0 / 4));
+  set(0, kInfinity, -1, kInfinity);
+  CHECK(deviationScores(buffers, truth).one == Approx(1.0 / 3));
+  CHECK(std::isnan(deviationScores(buffers, row({0, 0, 0, 0, 0, 0})).one));
+}
