@@ -69,8 +69,10 @@ FrameBuffers Probe::look(const FramePlan& plan) {
 Trust Probe::trust(const Camera& view, const RenderSettings& settings) {
   const FramePlan plan = planOf(small(view), settings);
   Trust trust{.extrapolation = std::numeric_limits<double>::infinity()};
-  if (!plan.cells.empty())
-    trust.extrapolation = plan.cells[0].extrapolationDistance / bounds_.cells[plan.cells[0].cell].size;
+  RenderSettings ofCells = settings;
+  ofCells.composition = Composition::cells;  // also where the hybrid draws none, since the gather shows more
+  if (const FramePlan nearest = planOf(small(view), ofCells); !nearest.cells.empty())
+    trust.extrapolation = nearest.cells[0].extrapolationDistance / bounds_.cells[nearest.cells[0].cell].size;
   const FrameBuffers known = look(plan);
   std::vector<double> errors;
   const int width = known.surface.width, height = known.surface.height;
