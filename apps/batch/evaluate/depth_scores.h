@@ -33,7 +33,7 @@ DeviationScores deviationScores(const FrameBuffers& buffers, const ImageF& truth
 /// Inverse depth that a renderer drew, negative where it drew nothing.
 ImageF drawnInverseDepth(const FrameBuffers& buffers);
 
-/// Share of the pixels whose depth was guessed: completed between matches (which their uncertainty says),
+/// Share of the pixels whose depth was guessed: completed between matches,
 /// filled in the view, or empty.
 double guessedShare(const FrameBuffers& buffers);
 

@@ -63,7 +63,7 @@ class Evaluator {
  private:
   SceneRenderer::Picture render(const Camera& view, const RenderSettings& settings);
   SceneRenderer::Picture baseline(const std::string& name, const Camera& view);
-  // Of a view, as it is; empty where it is not known.
+  // Depth of a view along its axis, world units, 0 for the sky; empty where it is not known.
   ImageF truthOf(const View& view) const;
   void measureDepth(const View& view, const ImageF& inverseDepth, const ImageF& truth, Scores& scores) const;
   Scores gathered(const View& view, const Image8& truth, const Image8& used);

@@ -130,8 +130,8 @@ constexpr const char* methodName(MatchMethod matcher) {
 
 /// How the depth of each photograph is found; times and accuracy: docs/quality.md.
 enum class DepthSearch : std::uint8_t {
-  fast,     // against up to ten others, in levels, in pictures of half the sides
-  swept,    // the same in pictures of half the matched photographs' sides
+  fast,     // against up to ten others, in levels, in pictures of a quarter of the matched photographs' sides
+  swept,    // the same in pictures of half of them
   refined,  // then by slanted planes, to a part of a level
   fine,     // that in twice the sides
 };

@@ -161,7 +161,7 @@ struct RenderSettings {
   Morph morph = Morph::ours;
   DrawOrder order = DrawOrder::ours;
   AlphaContent alpha = AlphaContent::opaque;
-  std::uint32_t maxCells = 12;      // at most this many cells are drawn, best first
+  std::uint32_t maxCells = 12;      // at most this many cells are drawn: those that together cover the views best
   double extrapolationLimit = 2.0;  // in cell sizes (longest edge); a cell further off is not drawn
   double fadeShare = 0.25;          // over this last share of the limit a cell dissolves into what lies behind it
   double switchSeconds = 0.25;      // after a switch of the main cell the order before it is mixed in for so long, and
@@ -202,8 +202,8 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-/// Settings by name, from the fastest to the most accurate. What a device of the kind draws in
-/// little time differs, so that the settings do. `balanced` is the default of the programs.
+/// Settings by name, from the fastest to the most accurate. What a device of the kind draws in little time differs, so
+/// that the settings do. `balanced` is the default of the programs.
 enum class Preset : std::uint8_t { fast, balanced, accurate, reference };
 RenderSettings preset(Preset preset, DeviceKind kind);
 
@@ -303,7 +303,7 @@ struct ShownCell {
 struct PlanState {
   std::int64_t mainCell = -1;              // index of the last main cell, −1 if none
   std::vector<ShownCell> cells;            // in the last frame, best first
-  std::vector<std::uint32_t> hiddenCells;  // that were in view and too many, ascending
+  std::vector<std::uint32_t> hiddenCells;  // that were in view and not chosen, ascending
   std::vector<ShownCell> former;           // cells before the last switch of the main cell, best first
   double secondsSinceSwitch = 0;           // of that switch
   std::vector<std::int64_t> colourSlots;   // cell of each slot, −1 if none
@@ -343,7 +343,7 @@ struct FramePlan {
   double nearDistance = 0;            // world units; nearer surfaces are drawn at this depth
   std::uint32_t culledByFrustum = 0;  // cells not drawn, and why
   std::uint32_t culledByDistance = 0;
-  std::uint32_t culledByCount = 0;
+  std::uint32_t culledByCount = 0;   // they were too many, or add nothing to those that are drawn
   std::uint32_t culledByChoice = 0;  // RenderSettings::mutedCells, soloCells
   PlanState next;                    // to be handed to the next call
 };

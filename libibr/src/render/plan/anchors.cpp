@@ -84,6 +84,16 @@ class Lookup {
   std::vector<CellBounds::Corner> found_{kAnchorSide * kAnchorSide};
 };
 
+void addAnchors(const Scene& scene, const Cell& cell, std::size_t member, const std::vector<bool>& usable,
+                std::vector<CellBounds::Anchor>& anchors) {
+  Lookup lookup(scene, cell, member);
+  for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
+    const glm::uvec3 v = cell.mesh.triangles[t];
+    if (usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
+  }
+  lookup.moveTo(anchors);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> cellsOfNodes(const Scene& scene) {
@@ -99,30 +109,16 @@ std::vector<CellBounds::Anchor> anchorsOf(const Scene& scene, const Cell& cell,
   for (std::size_t i = 0; i < cell.members.size(); ++i)
     if (cellsOfNode[cell.members[i]] > 1) members.push_back(i);
   std::ranges::sort(members, {}, [&](std::size_t i) { return cell.members[i]; });
-  const MorphMesh& mesh = cell.mesh;
-  std::vector<bool> usable(members.empty() ? 0 : mesh.pointCount());
-  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);
+  if (members.empty()) return {};
+  const std::vector<bool> usable = usablePoints(scene, cell);
   std::vector<CellBounds::Anchor> anchors;
-  for (const std::size_t member : members) {
-    Lookup lookup(scene, cell, member);
-    for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
-      const glm::uvec3 v = mesh.triangles[t];
-      if (usable[v.x] && usable[v.y] && usable[v.z]) lookup.add(v);
-    }
-    lookup.moveTo(anchors);
-  }
+  for (const std::size_t member : members) addAnchors(scene, cell, member, usable, anchors);
   return anchors;
 }
 
 std::vector<glm::vec4> surfacePoints(const Scene& scene, const Cell& cell) {
-  const MorphMesh& mesh = cell.mesh;
-  Lookup lookup(scene, cell, 0);
-  for (std::size_t t = 0; t < mesh.tier0Count(); ++t) {
-    const glm::uvec3 v = mesh.triangles[t];
-    if (raysAgree(scene, cell, v.x) && raysAgree(scene, cell, v.y) && raysAgree(scene, cell, v.z)) lookup.add(v);
-  }
   std::vector<CellBounds::Anchor> anchors;
-  lookup.moveTo(anchors);
+  addAnchors(scene, cell, 0, usablePoints(scene, cell), anchors);
   const glm::dmat3 toWorld = glm::mat3_cast(scene.nodes[cell.members[0]].camera.pose.rotation);
   std::vector<glm::vec4> points;
   for (const CellBounds::Anchor& anchor : anchors)

@@ -53,8 +53,7 @@ CellBounds boundsOf(const Scene& scene, const Cell& cell) {
 // Edges between neighbours that go the same way around cancel. A mesh most of which is border covers little.
 void addOutline(const Scene& scene, const Cell& cell, CellBounds& bounds) {
   const MorphMesh& mesh = cell.mesh;
-  std::vector<bool> usable(mesh.pointCount());
-  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);
+  const std::vector<bool> usable = usablePoints(scene, cell);
   std::vector<std::array<std::uint32_t, 3>> edges;  // lower, higher index; 1: from higher to lower
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 v = mesh.triangles[t];

@@ -35,9 +35,11 @@ struct CellChoice {
   std::vector<CellCandidate> left;
 };
 
-/// Of so many candidates, best first by the order above, those are chosen that cover the views best.
+/// So many candidates at most, best first by the order above, take part in the choice.
 inline constexpr std::size_t kMostCovering = 64;
-/// `gathers`: what cells leave open is gathered, and only those are drawn that are worth more.
+
+/// At most `most` of the candidates; all, where there are no more and nothing is gathered. `gathers`: what cells leave
+/// open is gathered, and only those are drawn that are worth more. `bounds`: of the scene.
 CellChoice chooseCells(const Scene& scene, const SceneBounds& bounds, std::span<const Camera> views,
                        std::vector<CellCandidate> candidates, std::size_t most, bool gathers);
 

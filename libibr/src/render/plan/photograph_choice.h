@@ -17,8 +17,9 @@ namespace ibr {
 /// Backdrops of the scene whose photographs can be gathered from: with evidence in the mesh and a depth texture.
 std::vector<std::uint32_t> gatherableBackdrops(const Scene& scene);
 
-/// At most `count` photographs, best first. `middle`: pose between the views. Pure; does not depend on the order of the
-/// scene's photographs but among those of equal poses.
+/// At most `count` photographs, best first, with what they have of the views' colours as the gather would mix four of
+/// them (PlannedPhotograph::share), which exposures are adapted by. `middle`: pose between the views. Pure; does not
+/// depend on the order of the scene's photographs but among those of equal poses.
 std::vector<PlannedPhotograph> choosePhotographs(const Scene& scene, const GatherBounds& bounds,
                                                  const std::vector<Camera>& views, const Pose& middle,
                                                  std::size_t count);

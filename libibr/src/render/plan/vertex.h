@@ -4,6 +4,7 @@
 
 #include <array>
 #include <glm/geometric.hpp>
+#include <vector>
 
 #include "ibr/scene.h"
 
@@ -26,6 +27,13 @@ inline bool raysAgree(const Scene& scene, const Cell& cell, std::size_t point) {
       if (glm::dot(rays[i], rays[j]) < -0.5) return false;
   }
   return true;
+}
+
+/// raysAgree of each point; triangles that have another one are left out.
+inline std::vector<bool> usablePoints(const Scene& scene, const Cell& cell) {
+  std::vector<bool> usable(cell.mesh.pointCount());
+  for (std::size_t p = 0; p < usable.size(); ++p) usable[p] = raysAgree(scene, cell, p);
+  return usable;
 }
 
 }  // namespace ibr

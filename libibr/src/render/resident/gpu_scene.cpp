@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "gpu/transfer/upload.h"
+#include "render/plan/draw_order.h"
 #include "render/plan/photograph_choice.h"
 #include "render/plan/vertex.h"
 #include "shared/gather.h"
@@ -20,14 +21,13 @@ struct Geometry {
 
 void appendMesh(const Scene& scene, const Cell& cell, Geometry& geometry, GpuScene::State::Mesh& out) {
   out.vertexOffset = geometry.vertices.size() * sizeof(float);
-  std::vector<bool> usable(cell.mesh.pointCount());
+  const std::vector<bool> usable = usablePoints(scene, cell);
   for (std::size_t p = 0; p < cell.mesh.pointCount(); ++p) {
     for (std::size_t i = 0; i < cell.members.size(); ++i) {
       const glm::vec3 q(memberPoint(scene, cell, i, p));
       geometry.vertices.insert(geometry.vertices.end(), {q.x, q.y, q.z});
     }
     geometry.vertices.push_back(cell.mesh.inverseDistance[p]);
-    usable[p] = raysAgree(scene, cell, p);
   }
   out.indices.first = std::uint32_t(geometry.indices.size());
   for (std::size_t t = 0; t < cell.mesh.tier0Count(); ++t) {
@@ -148,13 +148,13 @@ void GpuScene::State::bind(Mesh& mesh, std::uint64_t frame, std::uint64_t comple
   mesh.photographs = sets.get(slots, frame, completedFrame);
 }
 
-// Calls `visit` with every cell of a plan, of the order now and of the one before; with some more than once.
+// Calls `visit` with the mesh of every cell of a plan, of the order now and of the one before; with some more than
+// once.
 template <class Meshes, class Visit>
-void forCells(const FramePlan& plan, Meshes& cells, Visit&& visit) {
+void visitDrawn(const FramePlan& plan, Meshes& cells, Visit&& visit) {
   if (plan.settings.composition == Composition::gathered) return;
-  for (const PlannedCell& cell : plan.cells) visit(cells[cell.cell]);
-  for (const LeavingCell& cell : plan.leaving) visit(cells[cell.planned.cell]);
-  for (const PlannedCell& cell : plan.former) visit(cells[cell.cell]);
+  for (const Order order : {Order::current, Order::former})
+    forCells(plan, order, [&](const PlannedCell& cell, std::uint32_t, std::uint32_t) { visit(cells[cell.cell]); });
 }
 
 WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std::size_t most) {
@@ -166,7 +166,7 @@ WantedNodes wantedNodes(const GpuScene::State& scene, const FramePlan& plan, std
   };
   const auto addMembers = [&](const GpuScene::State::Mesh& cell) { std::ranges::for_each(cell.members, add); };
   for (const PlannedPhotograph& photograph : plan.photographs) add(photograph.node);
-  forCells(plan, scene.cells, addMembers);
+  visitDrawn(plan, scene.cells, addMembers);
   wanted.needed = wanted.nodes.size();
 
   std::vector<bool> reached(scene.cells.size(), false);
@@ -204,7 +204,7 @@ GpuScene::Streamed GpuScene::stream(VkCommandBuffer commandBuffer, const FramePl
                                                         state.sets.forget(view);
                                                         if (state.gather) state.gather->forget(view);
                                                       });
-  forCells(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
+  visitDrawn(plan, state.cells, [&](GpuScene::State::Mesh& cell) { state.bind(cell, frame, completedFrame); });
   if (state.gather) state.gather->bind(plan.photographs, frame, completedFrame);
   return streamed;
 }
