@@ -193,6 +193,7 @@ struct Surfaces {
   float uncertainty[2];  // of ρ, a share of it
   int tier[2];
   float opacity;  // of the first, before the second
+  float spread;   // of the hypotheses about the nearest surface that hides at least half, a share of its ρ
   int count;      // 0: nothing at all
 };
 
@@ -209,6 +210,7 @@ Surfaces surfacesAt(vec2 pixel) {
     s.uncertainty[l] = gatherUncertainty(gatherConsensus(code, l));
   }
   s.count = vote.y >= 0.0 ? 2 : 1;
+  s.spread = gatherSpread(code);
   if (gatherIsHole(code)) {  // pushed down from the level of half the size
     const ivec2 last = ivec2(c.voteExtent + 1u) / 2 - 1;
     const vec2 half_ = 0.5 * (vec2(at) + 0.5) - 0.5;
@@ -232,13 +234,15 @@ struct Pixel {
   float rho;       // of the nearest surface that hides at least half of what is behind
   float variance;  // of the surface that counts most, as its tier and shares
   vec4 shares;
+  float sigma;  // one standard deviation of ρ
 };
 
 Pixel gatheredPixel() {
   const Surfaces s = surfacesAt(gl_FragCoord.xy);
   const vec4 toRay = views[c.view].toRay;
   const vec3 ray = vec3(toRay.xy * gl_FragCoord.xy + toRay.zw, -1.0);
-  Pixel pixel = Pixel(vec3(0.0), -1, s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0], 0.0, vec4(0.0));
+  Pixel pixel = Pixel(vec3(0.0), -1, s.count == 2 && s.opacity < 0.5 ? s.rho[1] : s.rho[0], 0.0, vec4(0.0),
+                      0.0);
   float behind = 1.0, sum = 0.0, most = -1.0;
   for (int l = 0; l < kLayers; ++l) {
     if (l >= s.count) break;
@@ -260,6 +264,7 @@ Pixel gatheredPixel() {
     pixel.tier = -1;
   else
     pixel.colour /= sum;
+  pixel.sigma = gatherSigma(pixel.tier, pixel.rho, views[c.view].step, s.spread, pixel.variance);
   return pixel;
 }
 

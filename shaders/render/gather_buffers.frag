@@ -16,5 +16,5 @@ void main() {
   const float inverseDepth = pixel.rho / views[c.view].spacing;
   outSurface = vec4(1.0 / max(inverseDepth, 0.0), float(pixel.tier), -1.0, 0.0);
   outWeights = pixel.shares;
-  outConfidence = vec2(sqrt(pixel.variance) / 255.0, gatherSigma(pixel.tier, inverseDepth));
+  outConfidence = vec2(sqrt(pixel.variance) / 255.0, pixel.sigma / views[c.view].spacing);
 }

@@ -13,7 +13,7 @@ layout(location = 0) out vec4 outColour;
 vec3 colourOf(Pixel pixel) {
   if (kOverlay == kOverlayTiers) return tinted(tierColour(uint(pixel.tier)), pixel.colour);
   if (kOverlay == kOverlayDepth) return depthColour(pixel.rho, views[c.view].nearDistance);
-  if (kOverlay == kOverlayConfidence) return confidenceColour(pixel.rho, gatherSigma(pixel.tier, pixel.rho));
+  if (kOverlay == kOverlayConfidence) return confidenceColour(pixel.rho, pixel.sigma);
   if (kOverlay == kOverlayAgreement) return unknownColour();
   if (kOverlay != kOverlayWeights) return pixel.colour;  // a wireframe is of cells
   vec3 shares = vec3(0.0);

@@ -1,8 +1,7 @@
 #version 460
 // SPDX-License-Identifier: Apache-2.0
 // The surfaces of a pixel: the hypotheses of the candidates' depths that show most, nearest first.
-//   target: ρ of the first surface, of the second (−1: there is none), opacity of the first,
-//           1 + (first completed) + 2 · (second completed), or 0 where there is no hypothesis
+//   target: ρ of the first surface, of the second (−1: there is none), opacity of the first, gatherCode
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "render/gather_view.glsl"
@@ -91,6 +90,17 @@ Shown[2] mostShown(float step) {
   return most;
 }
 
+// Of all hypotheses about a surface: root of their mean square, a share of its ρ.
+float spreadAbout(float surface) {
+  float sum = 0.0, square = 0.0;
+  for (int j = 0; j < kCandidates; ++j) {
+    const float off = min(abs(rho[j] - surface) / max(surface, kGatherLeastApart), 1.0);
+    sum += weight[j];
+    square += weight[j] * off * off;
+  }
+  return sqrt(square / sum);
+}
+
 void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= c.voteExtent.x || pixel.y >= c.voteExtent.y) return;
@@ -111,7 +121,8 @@ void main() {
       result.y = second.x;
       result.z = shown[0].share / (shown[0].share + shown[1].share);
     }
-    result.w = gatherCode(first.z > 0.5, first.y, second.z > 0.5, second.y);
+    const float opaque = shown[1].who >= 0 && result.z < 0.5 ? result.y : result.x;
+    result.w = gatherCode(first.z > 0.5, first.y, second.z > 0.5, second.y, spreadAbout(opaque));
   }
   imageStore(target, ivec2(pixel), result);
 }

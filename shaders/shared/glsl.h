@@ -24,6 +24,7 @@ using glm::vec4;
 using std::abs;
 using std::ceil;
 using std::clamp;
+using std::exp2;
 using std::floor;
 using std::log2;
 using std::max;

@@ -196,15 +196,71 @@ TEST_CASE("gather pass: a vote's code keeps what it is made of") {
     for (const bool second : {false, true})
       for (const float consensus : {0.0f, 0.1f, 0.499f, 1.0f})
         for (const float other : {0.0f, 0.5f, 1.0f}) {
-          const float coded = shader::gatherCode(first, consensus, second, other);
+          const float coded = shader::gatherCode(first, consensus, second, other, 1.0f);
           const auto code = std::uint32_t(coded);
           CHECK(float(code) == coded);
+          CHECK(shader::gatherSpread(code) == 1.0f);
           CHECK_FALSE(shader::gatherIsHole(code));
           CHECK(shader::gatherIsCompleted(code, 0) == first);
           CHECK(shader::gatherIsCompleted(code, 1) == second);
           CHECK(shader::gatherConsensus(code, 0) == Approx(consensus).margin(0.51 / 255));
           CHECK(shader::gatherConsensus(code, 1) == Approx(other).margin(0.51 / 255));
         }
+}
+
+TEST_CASE("gather pass: a vote's code keeps the spread to an eighth, from a thousandth on") {
+  const auto kept = [](float spread) {
+    return shader::gatherSpread(std::uint32_t(shader::gatherCode(true, 1.0f, true, 1.0f, spread)));
+  };
+  CHECK(kept(0.0f) == 0.0f);
+  CHECK(kept(1e-4f) == 0.0f);
+  CHECK(kept(1.0f) == 1.0f);
+  for (float spread = 0.001f; spread < 1; spread *= 1.01f) CHECK(kept(spread) == Approx(spread).epsilon(0.125));
+}
+
+TEST_CASE("gather pass: the deviation of a depth grows with the step, the spread and the colours'") {
+  const float rho = 0.1f, step = 0.02f;
+  const auto of = [&](float spread, float variance) { return shader::gatherSigma(0, rho, step, spread, variance); };
+  CHECK(of(0, 0) == Approx(0.18f * step));
+  CHECK(of(0, 1e6f) == of(0, 0));  // nothing disagrees
+  CHECK(of(0.5f, 0) == Approx(std::hypot(0.18f * step, 0.85f * 0.5f * rho)));
+  CHECK(of(0.5f, 225) == Approx(std::hypot(0.18f * step, 5 * 0.85f * 0.5f * rho)));
+  CHECK(of(0.5f, 1e9f) == of(0.5f, 900));
+  CHECK(shader::gatherSigma(0, 0, step, 1, 1e9f) == Approx(0.18f * step));  // the sky
+  for (const int tier : {2, 3}) CHECK(shader::gatherSigma(tier, rho, step, 0, 0) == rho);
+}
+
+TEST_CASE("gather pass: deviations are those of the reference", "[P9]") {
+  GatherOptions options = wallOptions();
+  options.inverseDepth = [](std::size_t node, glm::dvec2 pixel, double rho) {
+    return rho * (1 + 0.2 * std::sin(pixel.x / 40 + 2.1 * double(node)));
+  };
+  options.evidence = [](std::size_t node, glm::dvec2 pixel) {
+    return Evidence{std::uint8_t(pixel.y < 40 ? 0 : 1 + node), 0.6f};
+  };
+  const GatherStage stage = gatherStage(options);
+  const FramePlan plan = stage.plan(kBetween);
+  const FrameBuffers buffers = OnDevice(stage).buffers(plan);
+  const reference::Composed twin = stage.compose(plan);
+  std::size_t compared = 0, wrong = 0, completed = 0;
+  double least = 1e9, most = 0;
+  for (int y = 0; y < buffers.surface.height; ++y)
+    for (int x = 0; x < buffers.surface.width; ++x) {
+      const int tier = int(buffers.surface.pixel(x, y)[1]);
+      if (tier < 0 || int(255 - 64 * tier) != int(twin.picture.pixel(x, y)[3])) continue;
+      if (double(twin.supportMargin.pixel(x, y)[0]) < 1e-3) continue;
+      const double deviation = double(buffers.confidence.pixel(x, y)[1]), truth = double(twin.deviation.pixel(x, y)[0]);
+      ++compared;
+      wrong += !(std::abs(deviation - truth) <= 0.13 * truth);
+      completed += tier != 0;
+      if (tier != 0) continue;
+      least = std::min(least, deviation);
+      most = std::max(most, deviation);
+    }
+  CHECK(compared > 10000);
+  CHECK(completed > 500);
+  CHECK(double(wrong) <= 0.01 * double(compared));
+  CHECK(most > 5 * least);
 }
 
 TEST_CASE("gather pass: panoramas agree with the reference implementation", "[P9]") {

@@ -197,10 +197,14 @@ ExitCode buildScene(const Options& options, const Context& context) {
   printReport(report, stages, build, context);
   Json json = reportJson(report, stages, build);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
-  const Scene scene = loadScene(build.output);
-  const CaptureAdvice advice = adviseCapture(scene);
-  context.print("\nadvice\n{}", adviceText(advice));
-  json["capture"] = adviceJson(scene, advice);
+  if (build.draft) {
+    context.print("a draft: the same command without --draft goes on from here\n");
+  } else {
+    const Scene scene = loadScene(build.output);
+    const CaptureAdvice advice = adviseCapture(scene);
+    context.print("\nadvice\n{}", adviceText(advice));
+    json["capture"] = adviceJson(scene, advice);
+  }
   context.report(json.dump(2, ' ', false, Json::error_handler_t::replace));
   return kExitOk;
 }
@@ -214,6 +218,7 @@ const Command kBuildCommand{
         "ibr build photographs -o scene\n"
         "ibr build photographs --model colmap/sparse/0 -o scene --max-size 1600\n"
         "ibr build photographs --transforms transforms.json -o scene\n"
+        "ibr build photographs -o scene --draft\n"
         "ibr build photographs -o scene --dry-run --json -\n"
         "ibr build photographs -o scene --memory 8G --threads 4\n"
         "ibr build photographs -o scene --masks masks\n"
@@ -226,7 +231,10 @@ const Command kBuildCommand{
         "in "
         "SCENE/.poses. Photographs of lenses that distort are undistorted; those of pinholes are stored as they are. "
         "The "
-        "same input, options and seed give the same scene. A build that was stopped goes on where it was.",
+        "same input, options and seed give the same scene. A build that was stopped goes on where it was. Where "
+        "photographs were added, it matches only what they change: finished depth and cells stay in SCENE/.build, "
+        "which "
+        "may be deleted, and COLMAP adds photographs to the poses in SCENE/.poses.",
     .afterInterrupt = "What was finished is kept: run the same command again to go on.",
     .declare = [](CLI::App& app) -> std::function<ExitCode(const Context&)> {
       const auto options = std::make_shared<Options>();

@@ -83,6 +83,9 @@ void declareInputOptions(CLI::App& app, BuildChoices& choices) {
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
   const std::vector<CLI::Option*> before = app.get_options();
   declareInputOptions(app, choices);
+  app.add_flag(
+      "--draft", choices.build.draft,
+      "A first look within seconds: depth found fast, no cells; the same command without it goes on from there");
   app.add_option("--colmap", choices.build.colmap, "Program that estimates poses where there are none [colmap]")
       ->type_name("PROGRAM");
   addChoice<TrackSource>(
@@ -145,8 +148,8 @@ std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choic
                  "Least distance of vertices of a photograph's depth in px of a picture of 512 px [2]");
   app.add_option(
          "--cache", choices.build.finishedCells,
-         "Keep matched cells and depth in this folder: further builds, as with more photographs, match only what "
-         "is new [kept in the scene until it is whole]")
+         "Keep matched cells and depth in this folder, for further builds of any scene [SCENE/.build: what its last "
+         "build used]")
       ->type_name("DIR");
   app.add_flag("--optimise{gradient}", choices.optimise,
                "Optimise the cells as ibr optimise does, or, as --optimise=METHOD, another way")

@@ -103,6 +103,7 @@ struct PoseReport {
 /// Finds features, matches them (all pairs of up to 60 photographs, else neighbours in the order of their names) and
 /// estimates poses, of upright pictures. Photographs that are all of one size are taken for those of one lens. A step
 /// that is finished is not done again while the photographs stay as they are; one that is cancelled ends the program.
+/// Photographs that were added since are registered in the model, whose poses and points stay as they are.
 /// Throws Error: io where the program is missing or fails (with its last lines), invalidInput where it finds no poses
 /// or photographs cannot be read (all of them are named, before the program is run), cancelled.
 PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {},
@@ -192,10 +193,12 @@ struct BuildOptions {
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether photographs get backdrops and depth textures, so that views can be gathered
   DepthSearch depth = DepthSearch::refined;
+  bool draft = false;  // a first look: depth found fast, no cells, poses and movers as they are, no finisher; a build
+                       // of the same folder without it goes on from there
   int backdropSpacing = 2;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
-  std::filesystem::path finishedCells;  // folder in which finished cells, depth and backdrops are kept for further
-                                        // builds, whose results they never change; empty: in the output, until it is
-                                        // finished
+  std::filesystem::path finishedCells;  // folder in which finished cells, depth and meshes are kept for further builds,
+                                        // whose results they never change; empty: ".build" in the output, where only
+                                        // what its last build used stays
   MatchMethod matcher = MatchMethod::automatic;  // of cells of pinholes; those of panoramas are always swept
   TriangleFilter triangleFilter = TriangleFilter::consistency;
   SceneFinisher finish;                                   // none: nothing
@@ -251,8 +254,9 @@ struct BuildReport {
   double memory = 0;  // that the process had at most, bytes
 };
 
-/// Builds a scene folder. Depths, cells and backdrops are finished one by one and kept, so that an interrupted or
-/// cancelled build goes on where it stopped when it is called again with the same options. Panoramas and pinholes of
+/// Builds a scene folder. Depths, cells and meshes are finished one by one and kept, so that an interrupted or
+/// cancelled build goes on where it stopped when it is called again with the same options, and a build with more
+/// photographs finds again only the depth and cells of those whose neighbours changed. Panoramas and pinholes of
 /// one model are never in one cell. Throws Error.
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress = {}, const LogCallback& log = {});
 

@@ -25,7 +25,6 @@ namespace {
 
 // Fixed: depth maps are compared by them.
 constexpr double kColourSpread = 15;              // 8-bit levels; a surface whose colours differ by this counts half
-constexpr double kOpaque = 0.5;                   // opacity from which on a surface is what a depth buffer holds
 constexpr double kStepPx = 2;                     // of the photograph: 1 px at half its size
 constexpr double kAngleFloor = 0.03;              // radians: as the gather's
 constexpr std::array kCandidateDepths{1.6, 0.4};  // of the median ρ
@@ -92,12 +91,6 @@ std::vector<Surfaces> surfacesOf(const Job& job, const Camera& vote) {
   return surfaces;
 }
 
-double opaqueDepth(const Surfaces& surfaces) {
-  for (std::size_t l = 0; l + 1 < surfaces.count; ++l)
-    if (surfaces.surface[l].opacity >= kOpaque) return surfaces.surface[l].inverseDepth;
-  return surfaces.surface[surfaces.count - 1].inverseDepth;
-}
-
 void setColour(Composed& view, int x, int y, const glm::dvec3& levels, int tier) {
   for (std::size_t c = 0; c < 3; ++c) {
     view.colour.pixel(x, y)[c] = float(levels[int(c)]);
@@ -111,6 +104,7 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
   double behind = 1, sum = 0, most = -1;
   glm::dvec3 colour(0);
   const Surface* shown = nullptr;
+  double variance = 0;  // of its colours
   for (std::size_t l = 0; l < surfaces.count; ++l) {
     const Surface& surface = surfaces.surface[l];
     const Gathered gathered = gather.at({x + 0.5, y + 0.5}, surface.inverseDepth, surface.uncertainty);
@@ -123,13 +117,15 @@ void composePixel(const Job& job, const Gather& gather, const Surfaces& surfaces
     if (weight > most) {
       most = weight;
       shown = &surface;
+      variance = gathered.variance;
     }
   }
   if (!(sum > 0)) return;
   const int tier = surfaces.filled ? kTierFilled : shown->completed ? kTierCompleted : kTierAgrees;
   if (tier > job.lowestTier) return;
   result.inverseDepth.pixel(x, y)[0] = float(shown->inverseDepth);
-  result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueDepth(surfaces));
+  result.opaqueInverseDepth.pixel(x, y)[0] = float(opaqueSurface(surfaces).inverseDepth);
+  result.deviation.pixel(x, y)[0] = float(deviationOf(surfaces, tier == kTierAgrees, job.step, variance));
   setColour(result, x, y, glm::clamp(colour * (255 / sum), 0.0, 255.0), tier);
 }
 
@@ -142,7 +138,7 @@ Composed composed(const Job& job) {
   const std::vector<Surfaces> surfaces = surfacesOf(job, vote);
   const Gather gather(job.view, job.candidates, job.colours, job.detail);
   const auto one = [&](int channels) { return ImageF(width, height, channels, 0.0f); };
-  Composed result{Image8(width, height, 4, 0), one(3), one(1), one(1), one(1)};
+  Composed result{Image8(width, height, 4, 0), one(3), one(1), one(1), one(1), one(1)};
   forRows(height, job.threads, [&](int y) {
     const int row = std::min(int((y + 0.5) * voteHeight / height), voteHeight - 1);
     for (int x = 0; x < width; ++x) {

@@ -45,6 +45,7 @@ struct Composed {
   ImageF colour;   // RGB of `picture` before rounding, 8-bit levels
   ImageF inverseDepth;        // of the surface that counts most
   ImageF opaqueInverseDepth;  // of the nearest surface that hides at least half of what lies behind: a depth buffer's
+  ImageF deviation;           // one standard deviation of opaqueInverseDepth
   ImageF supportMargin;       // Surfaces::margin of the pixel's vote: near 0 where rounding decides which peak wins
 };
 

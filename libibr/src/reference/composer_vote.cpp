@@ -23,6 +23,13 @@ constexpr double kCompletedTrust = 0.155;  // trust: a hypothesis below it was c
 constexpr double kCompletedShare = 0.5;    // of a surface's weight
 constexpr double kSureConsensus = 0.5;     // consensus from which on ρ counts as exact; below it …
 constexpr double kUnsure = 0.1;            // … it may be off by up to this share of itself
+constexpr double kOpaque = 0.5;            // opacity from which on a surface counts for depth
+constexpr double kLeastDepth = 1e-6;       // ρ that spreads are taken in relation to, at least
+constexpr double kStepDeviation = 0.18;    // of a confirmed ρ: steps, and …
+constexpr double kSpreadDeviation = 0.85;  // … of the spread, times 1 + …
+constexpr double kColourDeviation = 4;     // … this × the colours' deviation in …
+constexpr double kColourSpread = 15;       // … these levels, …
+constexpr double kMostColours = 2;         // … of which that many count
 
 // How much a hypothesis at `there` supports one at `here`.
 double kernel(double here, double there, double step) {
@@ -58,6 +65,16 @@ std::vector<double> presences(std::span<const Vote> votes, std::span<const doubl
   return present;
 }
 
+double spreadAbout(std::span<const Vote> votes, double surface) {
+  double sum = 0, square = 0;
+  for (const Vote& vote : votes) {
+    const double off = std::min(std::abs(vote.inverseDepth - surface) / std::max(surface, kLeastDepth), 1.0);
+    sum += vote.weight;
+    square += vote.weight * off * off;
+  }
+  return std::sqrt(square / sum);
+}
+
 // The mean of the hypotheses around one; its opacity as far as it is present.
 Surface surfaceAt(std::span<const Vote> votes, std::size_t peak, double step) {
   double sum = 0, depth = 0, consensus = 0, completed = 0;
@@ -81,6 +98,20 @@ double toleranceOf(double step, double inverseDepth) {
 
 double uncertaintyOf(double consensus) {
   return kUnsure * std::max(0.0, 1 - consensus / kSureConsensus);
+}
+
+const Surface& opaqueSurface(const Surfaces& surfaces) {
+  std::size_t l = 0;
+  while (l + 1 < surfaces.count && surfaces.surface[l].opacity < kOpaque) ++l;
+  return surfaces.surface[l];
+}
+
+double deviationOf(const Surfaces& surfaces, bool confirmed, double step, double variance) {
+  const double inverseDepth = opaqueSurface(surfaces).inverseDepth;
+  if (!confirmed) return inverseDepth;
+  const double colours = std::min(std::sqrt(variance) / kColourSpread, kMostColours);
+  return std::hypot(kStepDeviation * step,
+                    kSpreadDeviation * (1 + kColourDeviation * colours) * surfaces.spread * inverseDepth);
 }
 
 double voteWeight(double photographWeight, double trust, double distance) {
@@ -125,6 +156,7 @@ Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers) {
     result.surface[l].opacity = most[l].share / behind;
   }
   result.count = most.size();
+  result.spread = spreadAbout(votes, opaqueSurface(result).inverseDepth);
   return result;
 }
 

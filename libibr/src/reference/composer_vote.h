@@ -39,9 +39,16 @@ struct Surfaces {
   std::array<Surface, kMaxGatherLayers> surface;
   std::size_t count = 0;  // 0: nothing is known
   bool filled = false;    // a hole of the vote
+  double spread = 0;      // of all hypotheses about the opaque surface: root of their mean square, a share of its ρ
   double margin = 1;      // the lesser of two differences: of the two largest supports, in the largest; of what the
                           // last surface and the one after it show of the pixel. 1 where there are no two
 };
+
+/// The nearest surface that hides at least half of what lies behind. Precondition: there is a surface.
+const Surface& opaqueSurface(const Surfaces& surfaces);
+
+/// One standard deviation of its ρ. `variance`: of the colours of the surface that counts most, 8-bit levels².
+double deviationOf(const Surfaces& surfaces, bool confirmed, double step, double variance);
 
 /// `votes`: in the order of the candidates; `layers`: most surfaces, at most kMaxGatherLayers.
 Surfaces vote(std::span<const Vote> votes, double step, std::size_t layers);

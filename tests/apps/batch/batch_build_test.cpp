@@ -124,6 +124,32 @@ TEST_CASE("build finds the model, says which, and reports") {
       CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));  // null: equal
     }
   }
+  SECTION("a draft is drawn at once, and the same command without --draft makes the scene of it") {
+    const fs::path drafted = folder / "drafted";
+    const auto draft =
+        runProgram({"build", set.photographs, "-o", drafted, "--draft", "--json", folder / "draft.json"});
+    INFO(draft.err);
+    REQUIRE(draft.code == 0);
+    CHECK_THAT(draft.out, Contains("without --draft"));
+    const auto told = nlohmann::json::parse(readTextFile(folder / "draft.json"));
+    CHECK(told.at("cells").empty());
+    CHECK(told.at("backdrops").size() == 3);
+    CHECK_FALSE(told.contains("capture"));
+    CHECK(runProgram({"validate", drafted}).code == 0);
+    CHECK(runProgram({"build", set.photographs, "-o", folder / "no", "--draft", "--no-backdrops"}).code != 0);
+    if (test::deviceIsThere()) {
+      const auto eval = runProgram({"eval", drafted, "--truth", set.photographs, "--json", "-"});
+      INFO(eval.err);
+      REQUIRE(eval.code == 0);
+      const auto views = nlohmann::json::parse(eval.out).at("views");
+      for (const auto& view : views) {
+        CHECK(view.at("coverage") == 1.0);
+        CHECK((view.at("psnr").is_null() || view.at("psnr") > 45));
+      }
+    }
+    REQUIRE(runProgram({"build", set.photographs, "-o", drafted, "-q"}).code == 0);
+    CHECK(contentsBelow(drafted) == contentsBelow(folder / "scene"));
+  }
   SECTION("validate names every fault") {
     fs::remove_all(folder / "scene/textures");
     const auto outcome2 = runProgram({"validate", folder / "scene", "--json", "-"});

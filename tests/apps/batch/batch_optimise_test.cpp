@@ -103,8 +103,9 @@ TEST_CASE("ibr optimise: a better scene, a table, a report and pictures") {
     REQUIRE(built.code == 0);
     CHECK_THAT(built.err, Contains("mean ECC"));
     CHECK(sameMatches(loadScene(folder / "built"), after));
-    CHECK(contentsBelow(folder / "built") == contentsBelow(out));
-    CHECK(!fs::exists(folder / "built/.build"));
+    auto contents = contentsBelow(folder / "built");
+    CHECK(std::erase_if(contents, [](const auto& file) { return file.first.starts_with(".build/"); }) > 0);
+    CHECK(contents == contentsBelow(out));
   }
 }
 

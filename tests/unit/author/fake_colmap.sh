@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Stands for the program colmap in tests: says what COLMAP says, and copies FAKE_COLMAP/models to where models go.
+# Stands for the program colmap in tests: says what COLMAP says, and copies FAKE_COLMAP/models to where models go,
+# FAKE_COLMAP/added to where the one with added photographs goes.
 # FAKE_COLMAP also holds what it was called with (calls), and may hold FAIL-COMMAND, NONE-COMMAND, SLEEP-COMMAND, and
 # AHEAD-COMMAND: NONE unless it may begin with photographs one behind the other.
 set -eu
@@ -15,6 +16,7 @@ case $command in
   exhaustive_matcher) echo 'Matching block [1/2, 2/2] in 3.2s' ;;
   sequential_matcher) echo 'Matching image [1/4] in 0.1s' ;;
   mapper) echo 'Registering image #2 (3)' ;;
+  image_registrator) echo 'Registering image #5 (4)' ;;
 esac
 if [ -e "$FAKE_COLMAP/SLEEP-$command" ]; then
   sleep 600 &
@@ -36,4 +38,7 @@ fi
 if [ "$command" = mapper ]; then
   while [ "$1" != --output_path ]; do shift; done
   cp -r "$FAKE_COLMAP/models/." "$2"
+elif [ "$command" = image_registrator ]; then
+  while [ "$1" != --output_path ]; do shift; done
+  cp -r "$FAKE_COLMAP/added/." "$2"
 fi

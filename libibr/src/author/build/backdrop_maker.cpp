@@ -27,12 +27,13 @@ constexpr std::uint64_t kVersion = 7;  // of their making: raise it when they co
 // win .3 dB on object_vespasian by it and lose .2 dB on street.
 constexpr double kCut = 0.5;
 
-// How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median.
-double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes) {
+// How far a virtual camera is likely to be away from a photograph: the longest edge of its cells, or of all; median. Of
+// a scene without cells the spacing.
+double stepOf(const std::vector<std::size_t>& cells, const std::vector<double>& sizes, double spacing) {
   std::vector<double> its;
   for (const std::size_t c : cells) its.push_back(sizes[c]);
   if (its.empty()) its = sizes;
-  return its.empty() ? 0.0 : median(its);
+  return its.empty() ? spacing : median(its);
 }
 
 }  // namespace
@@ -61,7 +62,7 @@ BackdropMaker::BackdropMaker(const BuildInput& input, const BuildOptions& option
 MadeBackdrop BackdropMaker::make(std::uint32_t photograph, const PhotographDepth& depth) const {
   const Stopwatch watch;
   const Photograph& photo = input_.photographs[photograph];
-  const double step = stepOf(cellsWith_[photograph], sizes_);
+  const double step = stepOf(cellsWith_[photograph], sizes_, spacing_);
   const Intrinsics& size = depth.matched.map.camera.intrinsics;
   const CompletedDepth whole = completed(depth, shrunk(loadPhotograph(photo), size.width, size.height));
   const int spacing = std::min(32, options_.backdropSpacing * int(std::bit_floor(unsigned(depth.finer))));

@@ -32,7 +32,8 @@ namespace {
 constexpr double kTypicalLevels = 100;  // of cells that are not planned yet
 constexpr std::size_t kTypicalMembers = 3;
 constexpr double kPngBytes = 2, kJpegBytes = 0.8;  // of a pixel of a picture that is written anew
-constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept while it is built
+constexpr double kFeatureBytes = 3e6;              // of a photograph's features, kept for the next build
+constexpr double kKeptDepthBytes = 5;              // of a pixel of depth, kept likewise
 constexpr double kSeenInCells = 700;               // observations of dense tracks, for each photograph
 constexpr double kProgram = 60e6;                  // of memory, whatever the work
 
@@ -101,6 +102,7 @@ class Predictor {
       const glm::ivec2 swept = sweptSize(view.camera.intrinsics);
       const double pixels = sweptShare * swept.x * swept.y;
       work_.sweptPixels += pixels;
+      made_.disk += kKeptDepthBytes * finerPixels(options_.depth) * swept.x * swept.y;
       depths_ += kHeldBytesPerPixel * pixels;
       sweeping_ = std::max(sweeping_, kSweptBytesPerPixel * pixels);
     }
@@ -136,7 +138,7 @@ class Predictor {
   }
 
   void countTracks() {
-    if (options_.tracks == TrackSource::model) return;
+    if (options_.tracks == TrackSource::model || (options_.draft && !input_.model.tracks.empty())) return;
     const auto pairs = pairsForTracks(input_.model, options_.tracks);
     work_.pairs = pairs.size();
     std::set<std::uint32_t> images;
@@ -173,7 +175,9 @@ class Predictor {
 
   void countCells() {
     made_.cellsKnown = plan_ != nullptr;
-    if (plan_) {
+    if (options_.draft) {
+      made_.cellsKnown = true;
+    } else if (plan_) {
       for (const CellMembers& members : plan_->cells) work_.cells.push_back(maker_.work(members));
     } else {
       for (const Photograph& photo : input_.photographs) {
@@ -191,7 +195,7 @@ class Predictor {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
       if (options_.backdrops) kept_ += bytesKept({double(size.x) * size.y, 0, 1});
     }
-    made_.disk += 2 * kept_;  // in the scene, and in what is kept until it is whole
+    made_.disk += 2 * kept_;  // in the scene, and in what is kept for the next build
   }
 
   void shareOut() {

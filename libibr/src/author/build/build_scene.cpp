@@ -61,9 +61,11 @@ class Builder {
     addOwnTracks(input_, options_, jobs_, log_);
     takeMasksFromTracks();
     if (options_.removeMovers) maskMovers();
-    if (!planner_ || input_.model.tracks.size() != known || !report_.masks.empty()) planCells();
-    report_.dropped = plan_.dropped;
-    warnOfEmptyPlan();
+    if (!options_.draft) {
+      if (!planner_ || input_.model.tracks.size() != known || !report_.masks.empty()) planCells();
+      report_.dropped = plan_.dropped;
+      warnOfEmptyPlan();
+    }
     describe();
     if (options_.refinePoses) refineByCells();
     std::vector<PhotographDepth> depths = findDepths();
@@ -73,7 +75,7 @@ class Builder {
     if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    if (options_.finishedCells.empty()) removeKept(keptFolder(options_));
+    if (options_.finishedCells.empty()) removeKeptBefore(keptFolder(options_), begun_);
     return std::move(report_);
   }
 
@@ -98,7 +100,7 @@ class Builder {
   bool predict() {
     if (!options_.predicted) return true;
     const bool found = options_.tracks == TrackSource::own || input_.model.tracks.empty();  // later, of pinholes
-    if (!found || std::ranges::all_of(input_.photographs, isPanorama)) planCells();
+    if (!options_.draft && (!found || std::ranges::all_of(input_.photographs, isPanorama))) planCells();
     report_.prediction = predictBuild(input_, options_, planner_ ? &plan_ : nullptr);
     const bool wanted = options_.predicted(report_.prediction);
     checkRoom(report_.prediction, options_, log_);
@@ -220,12 +222,12 @@ class Builder {
     scene_.settings = fmt::format(
         R"({{"dimension":{},"maxSize":{},"texture":"{}","thetaDegrees":{},"seed":{},"refine":{},"backdrops":{},)"
         R"("depth":"{}","backdropSpacing":{},"tracks":"{}","keepBorder":{},"matcher":"{}","triangleFilter":"{}",)"
-        R"("matchExposures":{},"vignetting":{},"refinePoses":{},"removeMovers":{}}})",
+        R"("matchExposures":{},"vignetting":{},"refinePoses":{},"removeMovers":{},"draft":{}}})",
         options_.dimension, options_.maxSize, textureFormatName(options_.texture), options_.thetaDegrees, options_.seed,
         input_.refine, options_.backdrops, depthSearchName(options_.depth), options_.backdropSpacing,
         trackSourceName(options_.tracks), options_.keepBorder, methodName(options_.matcher),
         options_.triangleFilter == TriangleFilter::consistency ? "consistency" : "homogeneous", options_.matchExposures,
-        options_.fitVignetting, options_.refinePoses, options_.removeMovers);
+        options_.fitVignetting, options_.refinePoses, options_.removeMovers, options_.draft);
   }
 
   void planCells() {
@@ -339,7 +341,7 @@ class Builder {
     for (const Cell& cell : scene_.cells)
       for (const std::uint32_t i : cell.members) used[i] = true;
     for (std::uint32_t i = 0; i < used.size(); ++i) {
-      if (used[i]) continue;
+      if (used[i] || options_.draft) continue;
       const auto failure = failure_.find(i);
       scene_.unused.push_back(
           {input_.photographs[i].name, failure != failure_.end() ? failure->second : planner_->whyUnused(i)});
@@ -421,6 +423,7 @@ class Builder {
   const ProgressCallback& progress_;
   const LogCallback& log_;
   const BuildJobs jobs_;
+  const fs::file_time_type begun_ = fs::file_time_type::clock::now();
   BuildInput input_;
   std::optional<CellPlanner> planner_;
   CellPlan plan_;
@@ -446,6 +449,15 @@ BuildOptions posed(BuildOptions options, const ProgressCallback& progress, const
   return options;
 }
 
+// What a first look leaves out, or takes the fast way.
+BuildOptions draftOf(BuildOptions options) {
+  check(options.backdrops, ErrorCode::invalidInput, "a draft without photographs' depth would show nothing");
+  options.depth = DepthSearch::fast;
+  options.refinePoses = options.removeMovers = options.fitVignetting = false;
+  options.finish = nullptr;
+  return options;
+}
+
 }  // namespace
 
 BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
@@ -460,7 +472,7 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
     told.prediction = predictWithoutPoses(options);
     if (!options.predicted(told.prediction)) return told;
   }
-  const BuildOptions known = posed(options, progress, log);
+  const BuildOptions known = posed(options.draft ? draftOf(options) : options, progress, log);
   BuildReport report = Builder(known, progress, log).run();
   report.seconds = watch.seconds();
   report.processorSeconds = processorSeconds() - before;

@@ -28,7 +28,7 @@ std::vector<ImagePair> pairsForTracks(const PosedModel& model, TrackSource sourc
 }
 
 void addOwnTracks(BuildInput& input, const BuildOptions& options, const BuildJobs& jobs, const LogCallback& log) {
-  if (options.tracks == TrackSource::model) return;
+  if (options.tracks == TrackSource::model || (options.draft && !input.model.tracks.empty())) return;
   if (options.tracks == TrackSource::own) {
     input.model.tracks.clear();
     input.tracksOf = tracksOfImages(input.model);

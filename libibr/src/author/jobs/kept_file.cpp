@@ -31,6 +31,12 @@ bool namedByKey(const std::string& name) {
          });
 }
 
+// By this process's clock: the file system's own may stand elsewhere.
+void markUsed(const fs::path& file) {
+  std::error_code ignored;
+  fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);
+}
+
 }  // namespace
 
 fs::path keptFile(const fs::path& folder, std::uint64_t key, const char* kind) {
@@ -42,6 +48,7 @@ void storeKept(const fs::path& file, std::vector<std::byte> bytes) {
   const auto end = std::as_bytes(std::span(&value, 1));
   bytes.insert(bytes.end(), end.begin(), end.end());
   writeFile(file, bytes);
+  markUsed(file);
 }
 
 std::optional<std::vector<std::byte>> fetchKept(const fs::path& file) {
@@ -53,14 +60,20 @@ std::optional<std::vector<std::byte>> fetchKept(const fs::path& file) {
   std::memcpy(&stored, bytes.data() + bytes.size() - sizeof(stored), sizeof(stored));
   bytes.resize(bytes.size() - sizeof(stored));
   if (hashOf(bytes) != stored) return std::nullopt;
+  markUsed(file);
   return bytes;
 }
 
 void removeKept(const fs::path& folder) {
+  removeKeptBefore(folder, fs::file_time_type::max());
+}
+
+void removeKeptBefore(const fs::path& folder, fs::file_time_type time) {
   std::error_code ignored;
   std::vector<fs::path> files;
   for (fs::directory_iterator entry(folder, ignored), end; entry != end; entry.increment(ignored))
-    if (namedByKey(entry->path().filename().string())) files.push_back(entry->path());
+    if (namedByKey(entry->path().filename().string()) && entry->last_write_time(ignored) < time)
+      files.push_back(entry->path());
   for (const fs::path& file : files) fs::remove(file, ignored);
   fs::remove(folder, ignored);
 }

@@ -16,10 +16,14 @@ std::filesystem::path keptFile(const std::filesystem::path& folder, std::uint64_
 /// Throws Error{io}.
 void storeKept(const std::filesystem::path& file, std::vector<std::byte> bytes);
 
-/// What was stored; nullopt where there is no such file, or a damaged one. Throws Error{io} where it cannot be read.
+/// What was stored; nullopt where there is no such file, or a damaged one. It counts as used from now on. Throws
+/// Error{io} where it cannot be read.
 std::optional<std::vector<std::byte>> fetchKept(const std::filesystem::path& file);
 
 /// Removes the kept files of a folder, then the folder where nothing else is in it. What cannot be removed stays.
 void removeKept(const std::filesystem::path& folder);
+
+/// The same of files that were neither stored nor fetched since `time`.
+void removeKeptBefore(const std::filesystem::path& folder, std::filesystem::file_time_type time);
 
 }  // namespace ibr

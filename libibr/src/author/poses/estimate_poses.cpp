@@ -3,20 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <deque>
-#include <fstream>
+#include <numeric>
 #include <optional>
+#include <set>
 
 #include "author/photographs/masks.h"
 #include "author/photographs/photographs.h"
 #include "author/photographs/picture_folder.h"
+#include "author/poses/colmap_program.h"
 #include "base/check.h"
-#include "base/child_process.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/parallel.h"
-#include "base/parse.h"
 #include "ibr/author.h"
 #include "io/image_file.h"
 
@@ -24,52 +22,16 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 2;        // of the steps: raise it when they come out differently
+constexpr std::uint64_t kVersion = 3;        // of the steps: raise it when they come out differently
 constexpr std::size_t kMostExhaustive = 60;  // photographs that are all matched with each other
 constexpr std::size_t kBlocks = 8;           // of photographs, matched two by two
-constexpr std::size_t kLinesInErrors = 12;
-constexpr double kBytesPerPixel = 14;  // that reading and turning a photograph take
+constexpr double kBytesPerPixel = 14;        // that reading and turning a photograph take
 constexpr const char* kLooking = "looking at photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
 constexpr const char* kMapping = "estimating poses with COLMAP";
-
-struct Count {
-  std::size_t done, total;
-};
-
-std::optional<std::size_t> numberAt(std::string_view text, std::size_t& at) {
-  const std::size_t end = std::min(text.find_first_not_of("0123456789", at), text.size());
-  const auto value = parseInt(text.substr(at, end - at));
-  at = end;
-  return value && *value >= 0 ? std::optional(std::size_t(*value)) : std::nullopt;
-}
-
-// "… [3/12] …", or "… [2/3, 1/4] …" of blocks of blocks.
-std::optional<Count> bracketed(std::string_view line) {
-  std::size_t at = line.find('[');
-  if (at == line.npos) return std::nullopt;
-  std::optional<Count> count;
-  while (at < line.size() && line[at] != ']') {
-    at = std::min(line.find_first_of("0123456789", at), line.size());
-    const auto done = numberAt(line, at);
-    if (!done || at >= line.size() || line[at] != '/') return std::nullopt;
-    const auto total = numberAt(line, ++at);
-    if (!total || *total == 0 || *done > *total) return std::nullopt;
-    count = count ? Count{(count->done - std::min<std::size_t>(count->done, 1)) * *total + *done, count->total * *total}
-                  : Count{*done, *total};
-  }
-  return count;
-}
-
-// "Registering image #5 (12)", of newer versions "(num_reg_frames=12)".
-std::optional<std::size_t> registered(std::string_view line) {
-  if (line.find("Registering image") == line.npos) return std::nullopt;
-  const std::size_t open = line.rfind('(');
-  if (open == line.npos) return std::nullopt;
-  std::size_t at = std::min(line.find_first_of("0123456789", open), line.size());
-  return numberAt(line, at);
-}
+constexpr const char* kAdding = "adding photographs with COLMAP";
+constexpr const char* kOnlyCamera = "1";  // COLMAP's number of it, where all photographs share one
 
 // Of an empty folder: nothing is.
 bool isWithin(const fs::path& file, const fs::path& folder) {
@@ -81,7 +43,7 @@ bool isWithin(const fs::path& file, const fs::path& folder) {
 class Estimator {
  public:
   Estimator(const PoseOptions& options, const ProgressCallback& progress, const LogCallback& log)
-      : options_(options), progress_(progress), log_(log) {}
+      : options_(options), progress_(progress), log_(log), colmap_(options.program, options.folder, progress) {}
 
   PoseReport run() {
     check(fs::is_directory(options_.photographs), ErrorCode::io, "{}: is not a folder", options_.photographs.string());
@@ -93,33 +55,69 @@ class Estimator {
     });
     checkEnoughForPoses(options_.photographs, names_.size());
     prepare();
-    if (!fs::exists(file("mapper.done"))) {
+    if (!added_.empty()) {
+      addPhotographs();
+    } else if (!fs::exists(file("mapper.done"))) {
       findFeatures();
       matchFeatures();
       estimate();
     }
-    return largestModel();
+    return report();
   }
 
  private:
   fs::path file(const std::string& name) const { return options_.folder / name; }
+  fs::path listFile() const { return file(mark_ + "photographs.txt"); }
 
-  // What was made of other photographs, or in another way, is thrown away.
+  // What was made of other photographs, or in another way, is thrown away; poses stand where some were only added.
   void prepare() {
     probe();
-    const std::string key = fmt::format("{:016x}\n", hash());
+    const std::vector<std::string> key = keyLines();
     const bool ours = fs::exists(file("key"));
     check(ours || !fs::exists(options_.folder) || fs::is_empty(options_.folder), ErrorCode::invalidInput,
           "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
-    if (ours && readTextFile(file("key")) != key) fs::remove_all(options_.folder);
+    const std::string text = fmt::format("{}\n", fmt::join(key, "\n"));
+    if (ours && readTextFile(file("key")) != text) {
+      if (fs::exists(file("mapper.done"))) added_ = addedTo(readTextFile(file("key")), key);
+      if (added_.empty()) fs::remove_all(options_.folder);
+    }
     makeFolders(options_.folder);
-    writeFile(file("key"), key);
-    if (!fs::exists(file("photographs.txt"))) {
+    if (added_.empty()) {
+      writeFile(file("key"), text);
+      for (std::size_t i = 0; i < names_.size(); ++i) looked_.push_back(i);
+    } else {
+      prepareToAdd(text);
+    }
+    if (!fs::exists(listFile())) {
       look();
       std::string list;
-      for (const std::string& name : names_) list += name + '\n';
-      writeFile(file("photographs.txt"), list);
+      for (const std::size_t i : looked_) list += names_[i] + '\n';
+      writeFile(listFile(), list);
     }
+  }
+
+  // Steps of another addition, which was stopped, are not this one's.
+  void prepareToAdd(const std::string& key) {
+    looked_ = added_;
+    mark_ = "added-";
+    if (fs::exists(file("added-key")) && readTextFile(file("added-key")) == key) return;
+    for (const char* step : {"feature_extractor", "exhaustive_matcher", "sequential_matcher", "image_registrator"})
+      fs::remove(colmap_.doneFile(mark_, step));
+    fs::remove(listFile());
+    writeFile(file("added-to"), largestModel().model.filename().string());
+    writeFile(file("added-key"), key);
+  }
+
+  // Indices of the photographs of `now` that `before` lacks; none where anything else is different.
+  static std::vector<std::size_t> addedTo(const std::string& before, const std::vector<std::string>& now) {
+    std::set<std::string> lines;
+    for (std::size_t at = 0, end; (end = before.find('\n', at)) != before.npos; at = end + 1)
+      lines.insert(before.substr(at, end - at));
+    std::vector<std::size_t> added;
+    if (!lines.contains(now[0])) return {};
+    for (std::size_t i = 1; i < now.size(); ++i)
+      if (!lines.contains(now[i])) added.push_back(i - 1);
+    return lines.size() + added.size() == now.size() ? added : std::vector<std::size_t>();
   }
 
   void probe() {
@@ -129,17 +127,18 @@ class Estimator {
     checkReadable(std::move(faults));
   }
 
-  std::uint64_t hash() const {
-    Hash hash;
-    hash.add(kVersion);
-    hash.add(options_.orientation == Orientation::stored);
+  // What holds for all, then a line for each photograph.
+  std::vector<std::string> keyLines() const {
+    std::vector<std::string> lines{
+        fmt::format("{} {}", kVersion, options_.orientation == Orientation::stored ? "stored" : "upright")};
     for (const std::string& name : names_) {
-      hash.add(std::string_view(name));
+      Hash hash;
       hash.add(std::uint64_t(fs::file_size(source(name))));
       hash.add(std::int64_t(fs::last_write_time(source(name)).time_since_epoch().count()));
       if (const auto mask = maskOf(name)) hash.add(readFile(*mask));
+      lines.push_back(fmt::format("{:016x} {}", hash.value(), name));
     }
-    return hash.value();
+    return lines;
   }
 
   // Damage is found before hours go into the others. Where some are to be turned, all stand in a folder of ours.
@@ -147,19 +146,19 @@ class Estimator {
     double most = 0;
     for (const ImageFileInfo& info : infos_) most = std::max(most, double(info.width) * info.height);
     const bool turns = turnsAny();
-    fs::remove_all(file("upright"));
-    std::vector<std::string> faults(names_.size());
+    if (added_.empty()) fs::remove_all(file("upright"));
+    std::vector<std::string> faults(looked_.size());
     const bool finished = runJobs(
-        names_.size(), threadsFor(options_.threads, kBytesPerPixel * most),
+        looked_.size(), threadsFor(options_.threads, kBytesPerPixel * most),
         [&](std::size_t i) {
           tell(faults[i], [&] {
             if (!turns)
-              readImage(source(names_[i]));
+              readImage(source(names_[looked_[i]]));
             else
-              copyUpright(i);
+              copyUpright(looked_[i]);
           });
         },
-        [&](std::size_t done) { return wanted(kLooking, done, names_.size()); });
+        [&](std::size_t done) { return wanted(kLooking, done, looked_.size()); });
     check(finished, ErrorCode::cancelled, "{} was cancelled", kLooking);
     checkReadable(std::move(faults));
   }
@@ -169,6 +168,7 @@ class Estimator {
     makeFolders(to.parent_path());
     if (isTurned(i)) return writeUpright(source(names_[i]), to);
     readImage(source(names_[i]));
+    fs::remove(to);
     fs::create_symlink(fs::absolute(source(names_[i])), to);
   }
 
@@ -198,70 +198,20 @@ class Estimator {
   fs::path pictures() const { return turnsAny() ? file("upright") : options_.photographs; }
 
   // Of the upright pictures, too.
-  bool sameSize() const {
+  bool sameSize(const std::vector<std::size_t>& photographs) const {
     const auto size = [this](std::size_t i) {
       const bool swaps = isTurned(i) && infos_[i].orientation >= 5;
       return swaps ? std::pair(infos_[i].height, infos_[i].width) : std::pair(infos_[i].width, infos_[i].height);
     };
-    for (std::size_t i = 1; i < infos_.size(); ++i)
-      if (size(i) != size(0)) return false;
-    return true;
+    return std::ranges::all_of(photographs, [&](std::size_t i) { return size(i) == size(photographs[0]); });
   }
 
   bool wanted(const char* stage, std::size_t done, std::size_t total) const {
     return !progress_ || progress_({stage, done, total});
   }
 
-  // Runs a command of the program unless it has been run to its end before.
-  void step(const std::string& command, const char* stage, const std::vector<std::string>& arguments,
-            const std::function<std::optional<Count>(std::string_view)>& progressOf) {
-    if (fs::exists(file(command + ".done"))) return;
-    std::vector<std::string> line{options_.program, command};
-    line.insert(line.end(), arguments.begin(), arguments.end());
-    const fs::path logFile = file(command + ".log");
-    std::ofstream all(logFile, std::ios::app);
-    std::deque<std::string> last;
-    Count count{0, names_.size()};
-    bool nothing = false;  // it did what it could
-    const ChildResult result = run(
-        line,
-        [&](std::string_view text) {
-          all << text << '\n';
-          last.emplace_back(text);
-          if (last.size() > kLinesInErrors) last.pop_front();
-          nothing = nothing || text.find("failed to create sparse model") != text.npos;
-          if (const auto now = progressOf(text)) count = *now;
-        },
-        [&] { return wanted(stage, std::min(count.done, count.total), count.total); });
-    check(!result.stopped, ErrorCode::cancelled, "{} was cancelled; called again it goes on from there", stage);
-    if (nothing) return;
-    check(result.status == 0, ErrorCode::io, "{} {} failed with exit status {}. Its last lines (all are in {}):\n{}",
-          options_.program, command, result.status, logFile.string(), fmt::join(last, "\n"));
-    writeFile(file(command + ".done"), std::string_view("done\n"));
-  }
-
-  ChildResult run(const std::vector<std::string>& line, const std::function<void(std::string_view)>& print,
-                  const std::function<bool()>& goesOn) const {
-    try {
-      return runChild(line, {{"QT_QPA_PLATFORM", "offscreen"}}, print, goesOn);
-    } catch (const Error& e) {
-      if (e.code() != ErrorCode::io) throw;
-      fail(ErrorCode::io,
-           "{}. Photographs without poses need the program COLMAP: install it (Debian: apt-get install colmap) or name "
-           "it (--colmap), or give poses (--model, --transforms, --panoramas)",
-           e.what());
-    }
-  }
-
-  // Version 4 has other names for what is done on a graphics card.
-  void learnNames() {
-    bool newer = false;
-    run(
-        {options_.program, "feature_extractor", "--help"},
-        [&](std::string_view text) { newer = newer || text.find("FeatureExtraction.use_gpu") != text.npos; },
-        [&] { return wanted(kFeatures, 0, names_.size()); });
-    extraction_ = newer ? "--FeatureExtraction" : "--SiftExtraction";
-    matching_ = newer ? "--FeatureMatching" : "--SiftMatching";
+  void step(const std::string& command, const char* stage, const std::vector<std::string>& arguments) const {
+    colmap_.run(mark_, command, stage, arguments, names_.size());
   }
 
   std::string threads() const { return std::to_string(options_.threads > 0 ? options_.threads : -1); }
@@ -283,35 +233,42 @@ class Estimator {
   }
 
   void findFeatures() {
-    learnNames();
+    option_ = colmap_.optionNames(kFeatures);
     // Photographs of one size are most often of one lens: its focal length is then found more surely.
     std::vector<std::string> arguments{"--database_path",
                                        file("database.db").string(),
                                        "--image_path",
                                        pictures().string(),
                                        "--image_list_path",
-                                       file("photographs.txt").string(),
+                                       listFile().string(),
                                        "--ImageReader.single_camera",
-                                       sameSize() ? "1" : "0",
-                                       extraction_ + ".use_gpu",
+                                       sameSize(looked_) ? "1" : "0",
+                                       option_.extraction + ".use_gpu",
                                        "0",
-                                       extraction_ + ".num_threads",
+                                       option_.extraction + ".num_threads",
                                        threads()};
+    std::vector<std::size_t> all(names_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    if (!added_.empty() && sameSize(all))
+      arguments.insert(arguments.end(), {"--ImageReader.existing_camera_id", kOnlyCamera});
     if (copyMasks()) arguments.insert(arguments.end(), {"--ImageReader.mask_path", file("masks").string()});
-    step("feature_extractor", kFeatures, arguments, bracketed);
+    step("feature_extractor", kFeatures, arguments);
   }
 
   void matchFeatures() {
-    std::vector<std::string> arguments{"--database_path",          file("database.db").string(),
-                                       matching_ + ".use_gpu",     "0",
-                                       matching_ + ".num_threads", threads()};
+    std::vector<std::string> arguments{"--database_path",
+                                       file("database.db").string(),
+                                       option_.matching + ".use_gpu",
+                                       "0",
+                                       option_.matching + ".num_threads",
+                                       threads()};
     const bool all = names_.size() <= kMostExhaustive;
     // COLMAP tells and keeps what it matched block by block: of one block, nothing is seen, and a stop loses all of it.
     if (all) {
       const std::size_t side = std::max<std::size_t>(2, (names_.size() + kBlocks - 1) / kBlocks);
       arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
     }
-    step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments, bracketed);
+    step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments);
   }
 
   void estimate() {
@@ -332,27 +289,61 @@ class Estimator {
         "--database_path", file("database.db").string(), "--image_path",         pictures().string(),
         "--output_path",   file("sparse").string(),      "--Mapper.num_threads", threads()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    step("mapper", kMapping, arguments, [this](std::string_view text) -> std::optional<Count> {
-      const auto done = registered(text);
-      if (!done) return std::nullopt;
-      return Count{*done, names_.size()};
-    });
+    step("mapper", kMapping, arguments);
+  }
+
+  // Poses and points that there are stay as they are, to the bit: depth that was found with them holds.
+  void addPhotographs() {
+    findFeatures();
+    matchFeatures();
+    const fs::path before = file("sparse") / readTextFile(file("added-to")), after = file("added");
+    makeFolders(after);
+    step("image_registrator", kAdding,
+         {"--database_path", file("database.db").string(), "--input_path", before.string(), "--output_path",
+          after.string(), "--Mapper.num_threads", threads()});
+    if (!fs::is_empty(after)) fs::rename(after, before.string() + "+");
+    fs::remove_all(before);
+    fs::rename(file("added-key"), file("key"));
+    tellUnjoined();
+  }
+
+  // Added photographs are joined to points that there are: to each other they are not.
+  void tellUnjoined() const {
+    std::set<std::string> posed;
+    for (const PosedImage& image : readColmapModel(largestModel().model).images) posed.insert(image.name);
+    std::vector<std::string> left;
+    for (const std::size_t i : added_)
+      if (!posed.contains(names_[i])) left.push_back(names_[i]);
+    if (log_ && !left.empty())
+      log_(LogLevel::warning,
+           fmt::format("{} of {} added photographs show too little of what has a pose, {} for one: delete {} to have "
+                       "all poses estimated anew",
+                       left.size(), added_.size(), left[0], options_.folder.string()));
+  }
+
+  std::vector<fs::path> models() const {
+    std::vector<fs::path> folders;
+    for (const auto& entry : fs::directory_iterator(file("sparse")))
+      if (entry.is_directory()) folders.push_back(entry.path());
+    std::ranges::sort(folders);
+    return folders;
   }
 
   PoseReport largestModel() const {
     PoseReport report;
     report.photographs = names_.size();
-    std::vector<fs::path> folders;
-    for (const auto& entry : fs::directory_iterator(file("sparse")))
-      if (entry.is_directory()) folders.push_back(entry.path());
-    std::ranges::sort(folders);
-    for (const fs::path& folder : folders) {
+    for (const fs::path& folder : models()) {
       const PosedModel model = readColmapModel(folder);
       if (model.images.size() <= report.registered) continue;
       report.model = folder;
       report.registered = model.images.size();
       report.points = model.tracks.size();
     }
+    return report;
+  }
+
+  PoseReport report() const {
+    const PoseReport report = largestModel();
     check(report.registered > 0, ErrorCode::invalidInput,
           "{}: COLMAP found no poses: these photographs share too little of what they show, or were taken too near one "
           "another. Its words are in {}",
@@ -360,11 +351,11 @@ class Estimator {
     if (log_) {
       log_(LogLevel::info, fmt::format("COLMAP registered {} of {} photographs, with {} points: {}", report.registered,
                                        report.photographs, report.points, report.model.string()));
-      if (folders.size() > 1)
+      if (const std::size_t groups = models().size(); groups > 1)
         log_(LogLevel::warning,
              fmt::format("the photographs fall into {} groups that share nothing: only the largest is "
                          "used",
-                         folders.size()));
+                         groups));
     }
     return report;
   }
@@ -374,7 +365,11 @@ class Estimator {
   const LogCallback& log_;
   std::vector<std::string> names_;
   std::vector<ImageFileInfo> infos_;
-  std::string extraction_, matching_;
+  std::vector<std::size_t> added_;   // since poses were estimated
+  std::vector<std::size_t> looked_;  // those of this run: added_, or all
+  std::string mark_;                 // before the names of this run's files
+  const ColmapProgram colmap_;
+  ColmapProgram::OptionNames option_;
 };
 
 }  // namespace

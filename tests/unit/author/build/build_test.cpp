@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -148,15 +149,31 @@ TEST_CASE("a scene does not overwrite the photographs it is made from") {
   CHECK(readFile(options.photographs / set.model.images[0].name) == before);
 }
 
-TEST_CASE("of a folder .build only what builds keep is removed") {
+TEST_CASE("of a folder .build only what builds keep, and the last one did not use, is removed") {
   const Set set;
   const fs::path folder = set.options().output / ".build", notes = folder / "notes.txt";
   fs::create_directories(folder);
   writeFile(notes, "mine");
-  writeFile(folder / "0123456789abcdef.cell.77.tmp", "a draft that was never finished");
+  const auto kept = [&](std::string_view kind) {
+    return std::ranges::count_if(fs::directory_iterator(folder),
+                                 [&](const auto& entry) { return entry.path().extension() == kind; });
+  };
   build(set.options());
+  const std::ptrdiff_t depths = kept(".depth"), cells = kept(".cell");
+  CHECK(depths == 4);
+  CHECK(cells >= 4);  // and photographs' meshes
+  const fs::path unfinished = folder / "0123456789abcdef.cell.77.tmp", unused = folder / "0123456789abcdef.depth";
+  for (const fs::path& file : {unfinished, unused}) {
+    writeFile(file, "of a build before");
+    fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(1));
+  }
+  const BuildReport again = build(set.options());
+  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.resumed; }));
   CHECK(readTextFile(notes) == "mine");
-  CHECK(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+  CHECK_FALSE(fs::exists(unfinished));
+  CHECK_FALSE(fs::exists(unused));
+  CHECK(kept(".depth") == depths);
+  CHECK(kept(".cell") == cells);
 }
 
 TEST_CASE("photographs and a model become a valid scene whose matches are right") {
@@ -213,7 +230,6 @@ TEST_CASE("photographs and a model become a valid scene whose matches are right"
     }
     CHECK(double(good) > 0.8 * double(cell.mesh.pointCount()));
   }
-  CHECK_FALSE(fs::exists(scene.folder / ".build"));
 }
 
 TEST_CASE("the same bytes from one thread and from two, and after a cancelled build", "[P3]") {
@@ -724,8 +740,9 @@ TEST_CASE("cells that are kept for further builds change none of them") {
   REQUIRE(shared.cells.size() == 1);
   CHECK(shared.cells[0].resumed);
   CHECK_FALSE(build(alone).cells[0].resumed);
-  CHECK(filesBelow(part.output) == filesBelow(alone.output));
-  CHECK_FALSE(fs::exists(part.output / ".build"));
+  auto kept = filesBelow(alone.output);
+  std::erase_if(kept, [](const auto& file) { return file.first.starts_with(".build/"); });
+  CHECK(filesBelow(part.output) == kept);
   CHECK_FALSE(filesBelow(set.folder / "cells").empty());
 }
 
@@ -747,11 +764,82 @@ TEST_CASE("photographs that are added to a build with kept work are matched with
   const auto resumed = [](const auto& cell) { return cell.resumed; };
   CHECK(std::ranges::none_of(added.cells, resumed));  // all have members whose depth has one more source
   build(alone);
-  CHECK(filesBelow(whole.output) == filesBelow(alone.output));
+  auto scene = filesBelow(alone.output);
+  std::erase_if(scene, [](const auto& file) { return file.first.starts_with(".build/"); });
+  CHECK(filesBelow(whole.output) == scene);
   // All four see the same places here, so that each has the new one as a source.
   CHECK(depths() == before + 4);
   CHECK(std::ranges::all_of(build(whole).cells, resumed));
   CHECK(depths() == before + 4);
+}
+
+TEST_CASE("photographs are added to a scene by building it again, where it is") {
+  const Set set;
+  BuildOptions part = set.options("scene"), whole = part, alone = set.options("alone");
+  part.exclude = {"001.png"};
+  build(part);
+  CHECK(loadScene(part.output).nodes.size() == 3);
+  build(whole);
+  build(alone);
+  CHECK(filesBelow(whole.output) == filesBelow(alone.output));
+  // A photograph that sees none of these places changes nothing of theirs.
+  Set more;
+  const double farAway = 100;
+  for (const double x : {0.0, 0.4}) {
+    PosedImage image = more.model.images[0];
+    image.name = fmt::format("far{}.png", x);
+    image.camera.pose.position += glm::dvec3(farAway + x, 0, 0);
+    writeImage(more.folder / "photos" / image.name, more.scene.photographs[0]);
+    more.model.images.push_back(image);
+  }
+  BuildOptions near = more.options("scene"), all = near;
+  near.exclude = {"far0.png", "far0.4.png"};
+  writeColmapModel(more.model, near.model);
+  build(near);
+  const BuildReport added = build(all);
+  CHECK(loadScene(all.output).nodes.size() == 6);
+  CHECK(std::ranges::all_of(added.cells, [](const auto& cell) { return cell.resumed; }));
+}
+
+TEST_CASE("a draft has photographs' depth and no cells, and the build after it is as without") {
+  const Set set;
+  BuildOptions draft = set.options("scene"), whole = draft, alone = set.options("alone");
+  draft.draft = true;
+  draft.removeMovers = draft.refinePoses = true;  // left for the build
+  draft.finish = [](Scene&, const fs::path&, const ProgressCallback&, const LogCallback&) { FAIL("of a draft"); };
+  std::set<std::string> stages;
+  std::vector<std::string> warnings;
+  const BuildReport report = build(
+      draft, [&](const Progress& p) { return stages.emplace(p.stage), true; },
+      [&](LogLevel level, std::string_view text) {
+        if (level == LogLevel::warning) warnings.emplace_back(text);
+      });
+  CHECK(warnings.empty());
+  CHECK(report.cells.empty());
+  CHECK(report.dropped.empty());
+  REQUIRE(report.unused.size() == 1);  // the stranger
+  CHECK(report.prediction.cells == 0);
+  CHECK(report.prediction.cellsKnown);
+  CHECK_FALSE(stages.contains("matching cells"));
+  CHECK_FALSE(stages.contains("finding features"));  // the model has points
+  CHECK(validateSceneFiles(draft.output).empty());
+  const Scene scene = loadScene(draft.output);
+  CHECK(scene.cells.empty());
+  REQUIRE(scene.backdrops.size() == 4);
+  CHECK_THAT(scene.settings, Contains(R"("draft":true)") && Contains(R"("depth":"fast")"));
+  for (const Node& node : scene.nodes) {
+    const DepthMaps maps = readDepthTexture(readKtx2(draft.output / node.depthFile), node.depthScale);
+    CHECK(maps.inverseDepth.pixel(16, 12)[0] == Approx(0.25).epsilon(0.1));
+  }
+  for (const Cell& mesh : scene.backdrops) CHECK(mesh.mesh.pointCount() > 50);
+  build(whole);
+  build(alone);
+  CHECK(filesBelow(whole.output) == filesBelow(alone.output));
+
+  BuildOptions nothing = set.options("nothing");
+  nothing.draft = true;
+  nothing.backdrops = false;
+  CHECK(test::errorOf([&] { build(nothing); }).code() == ErrorCode::invalidInput);
 }
 
 TEST_CASE("depth is searched for as far as is asked, and kept apart by it") {

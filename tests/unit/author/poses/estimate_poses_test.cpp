@@ -113,14 +113,61 @@ TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
   // Nothing is done twice.
   CHECK(estimatePoses(place.options()).registered == 3);
   CHECK(place.calls() == kAll);
-  // Another photograph: all anew. It has another size, and so has a camera of its own.
-  writeImage(place.folder / "photos/e.png", Image8(30, 40, 3));
+  // Another content: all anew. It has another size, and so has a camera of its own.
+  writeImage(place.folder / "photos/d.png", Image8(30, 40, 3));
   place.touch("newer");
   estimatePoses(place.options());
   CHECK(place.calls().size() == 6);
   const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
   CHECK_THAT(later, Contains("--FeatureExtraction.use_gpu 0") && Contains("--FeatureMatching.use_gpu 0") &&
                         Contains("--ImageReader.single_camera 0"));
+}
+
+TEST_CASE("photographs that are added are registered in the model that stands") {
+  Place place;
+  estimatePoses(place.options());
+  writeImage(place.folder / "photos/e.png", Image8(40, 30, 3, 50));
+  writeImage(place.folder / "photos/f.png", Image8(40, 30, 3, 60));
+  place.writeModel("../added", {"a.png", "b.png", "e.png", "more/c.png"});
+  const bool stopped = GENERATE(false, true);
+  Calls expected = kAll;
+  for (const char* step : {"feature_extractor", "exhaustive_matcher"}) expected.emplace_back(step);
+  if (stopped) {
+    place.touch("FAIL-image_registrator");
+    CHECK(test::errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::io);
+    CHECK(fs::exists(place.folder / "poses/sparse/1"));
+    fs::remove(place.folder / "FAIL-image_registrator");
+    expected.emplace_back("image_registrator");
+  }
+  expected.emplace_back("image_registrator");
+  std::vector<std::string> messages;
+  const auto keep = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
+  const PoseReport report = estimatePoses(place.options(), {}, keep);
+  CHECK(report.photographs == 6);
+  CHECK(report.registered == 4);
+  REQUIRE(messages.size() == 3);  // of both groups, as before
+  CHECK_THAT(messages[0], Contains("f.png") && Contains("1 of 2 added"));
+  CHECK(place.calls() == expected);
+  CHECK(readTextFile(place.folder / "poses/added-photographs.txt") == "e.png\nf.png\n");
+  CHECK(readTextFile(place.folder / "poses/photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
+  const std::string calls = readTextFile(place.folder / "calls");
+  CHECK_THAT(calls, Contains("--image_list_path " + (place.folder / "poses/added-photographs.txt").string()) &&
+                        Contains("--ImageReader.existing_camera_id 1") &&
+                        Contains("--input_path " + (place.folder / "poses/sparse/1").string()));
+  // Nothing is done twice, and what is added next, of another size, is added to that model.
+  CHECK(estimatePoses(place.options()).model == report.model);
+  CHECK(place.calls() == expected);
+  writeImage(place.folder / "photos/g.png", Image8(30, 40, 3, 50));
+  place.writeModel("../added", {"a.png", "b.png", "e.png", "g.png", "more/c.png"});
+  CHECK(estimatePoses(place.options()).registered == 5);
+  CHECK(readTextFile(place.folder / "poses/added-photographs.txt") == "g.png\n");
+  const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
+  CHECK_THAT(later, Contains("--input_path " + report.model.string()) && !Contains("existing_camera_id"));
+  // One that is gone: all anew.
+  fs::remove(place.folder / "photos/e.png");
+  estimatePoses(place.options());
+  CHECK(place.calls().back() == "mapper");
+  CHECK_FALSE(fs::exists(place.folder / "poses/added-photographs.txt"));
 }
 
 TEST_CASE("many photographs are matched in their order") {
