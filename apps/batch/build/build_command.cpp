@@ -198,7 +198,7 @@ ExitCode buildScene(const Options& options, const Context& context) {
   Json json = reportJson(report, stages, build);
   if (!report.refinement.steps.empty()) json["refinement"] = app::json(report.refinement);
   if (build.draft) {
-    context.print("a draft: the same command without --draft goes on from here\n");
+    context.print("a draft, without cells: the same command without --draft makes the whole scene\n");
   } else {
     const Scene scene = loadScene(build.output);
     const CaptureAdvice advice = adviseCapture(scene);

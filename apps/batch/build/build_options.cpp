@@ -83,9 +83,9 @@ void declareInputOptions(CLI::App& app, BuildChoices& choices) {
 std::vector<CLI::Option*> declareBuildOptions(CLI::App& app, BuildChoices& choices) {
   const std::vector<CLI::Option*> before = app.get_options();
   declareInputOptions(app, choices);
-  app.add_flag(
-      "--draft", choices.build.draft,
-      "A first look within seconds: depth found fast, no cells; the same command without it goes on from there");
+  app.add_flag("--draft", choices.build.draft,
+               "A first look: depth found fast, no cells, nothing refined, removed or optimised; poses that it had to "
+               "estimate are those of the build after it");
   app.add_option("--colmap", choices.build.colmap, "Program that estimates poses where there are none [colmap]")
       ->type_name("PROGRAM");
   addChoice<TrackSource>(

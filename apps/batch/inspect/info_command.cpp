@@ -269,6 +269,10 @@ ExitCode showScene(const Options& options, const Context& context) {
   };
   memoryLine("memory       predicted ", predicted);
   if (measured) memoryLine("             measured  ", *measured);
+  if (const double kept = bytesBelow(scene.folder / ".build"); kept > 0) {
+    context.print("kept         {} in .build for further builds; may be deleted\n", bytesText(kept));
+    report["kept"] = kept;
+  }
   report["memory"] = {{"predicted", memoryJson(predicted)}, {"measured", nullptr}};
   if (measured) report["memory"]["measured"] = memoryJson(*measured);
 

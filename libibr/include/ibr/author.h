@@ -103,7 +103,8 @@ struct PoseReport {
 /// Finds features, matches them (all pairs of up to 60 photographs, else neighbours in the order of their names) and
 /// estimates poses, of upright pictures. Photographs that are all of one size are taken for those of one lens. A step
 /// that is finished is not done again while the photographs stay as they are; one that is cancelled ends the program.
-/// Photographs that were added since are registered in the model, whose poses and points stay as they are.
+/// Where a few photographs were added since to a model of most others, they are registered in it, and its poses and
+/// points stay as they are.
 /// Throws Error: io where the program is missing or fails (with its last lines), invalidInput where it finds no poses
 /// or photographs cannot be read (all of them are named, before the program is run), cancelled.
 PoseReport estimatePoses(const PoseOptions& options, const ProgressCallback& progress = {},
@@ -193,8 +194,8 @@ struct BuildOptions {
   double thetaDegrees = 0;  // largest angle between axes in a cell; 0 = half the smaller field of view
   bool backdrops = true;    // whether photographs get backdrops and depth textures, so that views can be gathered
   DepthSearch depth = DepthSearch::refined;
-  bool draft = false;  // a first look: depth found fast, no cells, poses and movers as they are, no finisher; a build
-                       // of the same folder without it goes on from there
+  bool draft = false;  // a first look: depth found fast, no cells; poses, movers and vignetting stay as they are, no
+                       // finisher. What other builds of the folder kept stays
   int backdropSpacing = 2;  // px of its picture at 512 px, least between a backdrop's vertices: 2, 4, 8, 16, 32
   std::filesystem::path finishedCells;  // folder in which finished cells, depth and meshes are kept for further builds,
                                         // whose results they never change; empty: ".build" in the output, where only

@@ -129,6 +129,16 @@ void checkFolderWritable(const fs::path& folder) {
         std::strerror(errno));
 }
 
+double bytesBelow(const fs::path& folder) {
+  std::error_code error;
+  double bytes = 0;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_regular_file(ignored) && !at->is_symlink(ignored)) bytes += double(at->file_size(ignored));
+  }
+  return bytes;
+}
+
 fs::path pathInside(const fs::path& folder, const fs::path& relative) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);

@@ -31,6 +31,9 @@ void makeFolders(const std::filesystem::path& folder);
 /// path which is there and no folder, or may not be written. Makes nothing.
 void checkFolderWritable(const std::filesystem::path& folder);
 
+/// Of all regular files below a folder, but for links; 0 where it cannot be read.
+double bytesBelow(const std::filesystem::path& folder);
+
 /// `relative` below `folder`, both canonical. Throws Error{invalidInput} where it leads outside (absolute, "..",
 /// links). The file need not exist.
 std::filesystem::path pathInside(const std::filesystem::path& folder, const std::filesystem::path& relative);

@@ -93,6 +93,7 @@ TEST_CASE("build finds the model, says which, and reports") {
     CHECK(json.at("backdrops").at("triangles") > 100);
     CHECK(json.at("backdrops").at("bytes") > 1000);
     CHECK(json.at("backdrops").at("known") > 0.3);
+    CHECK(json.at("kept") > 1000);
     if (test::deviceIsThere()) {
       // Predicted is without alignment, so never more; and it must not miss a part.
       const auto& memory = json["memory"];

@@ -13,7 +13,7 @@ fi
 echo "$QT_QPA_PLATFORM $*" >>"$FAKE_COLMAP/calls"
 case $command in
   feature_extractor) printf 'Processed file [1/4]\nProcessed file [2/4]\n' ;;
-  exhaustive_matcher) echo 'Matching block [1/2, 2/2] in 3.2s' ;;
+  exhaustive_matcher | matches_importer) echo 'Matching block [1/2, 2/2] in 3.2s' ;;
   sequential_matcher) echo 'Matching image [1/4] in 0.1s' ;;
   mapper) echo 'Registering image #2 (3)' ;;
   image_registrator) echo 'Registering image #5 (4)' ;;

@@ -20,6 +20,7 @@
 #include "author/geometry/posed_model.h"
 #include "author/photographs/picture_folder.h"
 #include "base/check.h"
+#include "base/file.h"
 #include "base/parallel.h"
 #include "base/usage.h"
 #include "image/depth_texture.h"
@@ -57,21 +58,11 @@ double freeBelow(fs::path folder) {
   return error ? 0 : double(space.available);
 }
 
-double bytesBelow(const fs::path& folder) {
-  std::error_code error;
-  double bytes = 0;
-  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    std::error_code ignored;
-    if (at->is_regular_file(ignored) && !at->is_symlink(ignored)) bytes += double(at->file_size(ignored));
-  }
-  return bytes;
-}
-
-// By what an earlier build of this scene left, which is taken over or replaced.
+// By what an earlier build of this scene left, which is replaced as this one goes on: what it kept is removed at the
+// end.
 double heldAlready(const BuildOptions& options) {
   double bytes = 0;
-  for (const char* part : {"cells", "images", "textures", "masks", "depth", ".build"})
-    bytes += bytesBelow(options.output / part);
+  for (const char* part : {"cells", "images", "textures", "masks", "depth"}) bytes += bytesBelow(options.output / part);
   return bytes;
 }
 

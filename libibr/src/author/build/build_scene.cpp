@@ -75,7 +75,7 @@ class Builder {
     if (options_.finish) finish();
     jobs_.step("writing the scene", 0, 1);
     saveScene(scene_, options_.output);
-    if (options_.finishedCells.empty()) removeKeptBefore(keptFolder(options_), begun_);
+    if (options_.finishedCells.empty() && !options_.draft) removeKeptBefore(keptFolder(options_), begun_);
     return std::move(report_);
   }
 
@@ -460,9 +460,10 @@ BuildOptions draftOf(BuildOptions options) {
 
 }  // namespace
 
-BuildReport build(const BuildOptions& options, const ProgressCallback& progress, const LogCallback& log) {
+BuildReport build(const BuildOptions& asked, const ProgressCallback& progress, const LogCallback& log) {
   const Stopwatch watch;
-  checkOptions(options);
+  checkOptions(asked);
+  const BuildOptions options = asked.draft ? draftOf(asked) : asked;
   if (const std::string unread = unreadText(lookInto(options.photographs).unread); log && !unread.empty())
     log(LogLevel::warning, unread);
   const double before = processorSeconds();
@@ -472,7 +473,7 @@ BuildReport build(const BuildOptions& options, const ProgressCallback& progress,
     told.prediction = predictWithoutPoses(options);
     if (!options.predicted(told.prediction)) return told;
   }
-  const BuildOptions known = posed(options.draft ? draftOf(options) : options, progress, log);
+  const BuildOptions known = posed(options, progress, log);
   BuildReport report = Builder(known, progress, log).run();
   report.seconds = watch.seconds();
   report.processorSeconds = processorSeconds() - before;

@@ -22,10 +22,13 @@ namespace ibr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kVersion = 3;        // of the steps: raise it when they come out differently
-constexpr std::size_t kMostExhaustive = 60;  // photographs that are all matched with each other
-constexpr std::size_t kBlocks = 8;           // of photographs, matched two by two
-constexpr double kBytesPerPixel = 14;        // that reading and turning a photograph take
+constexpr std::uint64_t kVersion = 3;           // of the steps: raise it when they come out differently
+constexpr std::size_t kMostExhaustive = 60;     // photographs that are all matched with each other
+constexpr std::size_t kMostAddedPairs = 10000;  // that are matched to add photographs
+constexpr double kMostAdded = 0.5;              // of those that there are
+constexpr double kMostLeft = 0.2;               // of these, that the model may lack
+constexpr std::size_t kBlocks = 8;              // of photographs, matched two by two
+constexpr double kBytesPerPixel = 14;           // that reading and turning a photograph take
 constexpr const char* kLooking = "looking at photographs";
 constexpr const char* kFeatures = "finding features with COLMAP";
 constexpr const char* kMatching = "matching features with COLMAP";
@@ -67,6 +70,7 @@ class Estimator {
 
  private:
   fs::path file(const std::string& name) const { return options_.folder / name; }
+  fs::path databaseFile() const { return file(mark_ + "database.db"); }
   fs::path listFile() const { return file(mark_ + "photographs.txt"); }
 
   // What was made of other photographs, or in another way, is thrown away; poses stand where some were only added.
@@ -78,7 +82,8 @@ class Estimator {
           "{}: is not empty, and nothing that was estimated here before", options_.folder.string());
     const std::string text = fmt::format("{}\n", fmt::join(key, "\n"));
     if (ours && readTextFile(file("key")) != text) {
-      if (fs::exists(file("mapper.done"))) added_ = addedTo(readTextFile(file("key")), key);
+      added_ = addedTo(readTextFile(file("key")), key);
+      if (!canAdd(text)) added_.clear();
       if (added_.empty()) fs::remove_all(options_.folder);
     }
     makeFolders(options_.folder);
@@ -96,15 +101,34 @@ class Estimator {
     }
   }
 
-  // Steps of another addition, which was stopped, are not this one's.
+  bool isBegun(const std::string& key) const {
+    return fs::exists(file("added-key")) && readTextFile(file("added-key")) == key;
+  }
+
+  // A poor model, and one of few photographs, is better estimated anew: it may become another one.
+  bool canAdd(const std::string& key) const {
+    const std::size_t before = names_.size() - added_.size();
+    if (added_.empty() || !fs::exists(file("mapper.done")) || double(added_.size()) > kMostAdded * double(before) ||
+        added_.size() * names_.size() > kMostAddedPairs)
+      return false;
+    // COLMAP reads pairs of names word by word.
+    if (std::ranges::any_of(names_, [](const std::string& name) { return name.find(' ') != name.npos; })) return false;
+    if (isBegun(key)) return true;
+    return models().size() == 1 && double(largestModel().registered) >= (1 - kMostLeft) * double(before);
+  }
+
+  // Steps of another addition, which was stopped, are not this one's: it begins with the database before that.
   void prepareToAdd(const std::string& key) {
     looked_ = added_;
     mark_ = "added-";
-    if (fs::exists(file("added-key")) && readTextFile(file("added-key")) == key) return;
-    for (const char* step : {"feature_extractor", "exhaustive_matcher", "sequential_matcher", "image_registrator"})
+    if (isBegun(key)) return;
+    fs::remove(file("added-key"));
+    for (const char* step : {"feature_extractor", "matches_importer", "image_registrator"})
       fs::remove(colmap_.doneFile(mark_, step));
     fs::remove(listFile());
-    writeFile(file("added-to"), largestModel().model.filename().string());
+    if (fs::exists(file("database.db")))
+      fs::copy_file(file("database.db"), databaseFile(), fs::copy_options::overwrite_existing);
+    fs::remove_all(file("added"));
     writeFile(file("added-key"), key);
   }
 
@@ -236,7 +260,7 @@ class Estimator {
     option_ = colmap_.optionNames(kFeatures);
     // Photographs of one size are most often of one lens: its focal length is then found more surely.
     std::vector<std::string> arguments{"--database_path",
-                                       file("database.db").string(),
+                                       databaseFile().string(),
                                        "--image_path",
                                        pictures().string(),
                                        "--image_list_path",
@@ -257,11 +281,17 @@ class Estimator {
 
   void matchFeatures() {
     std::vector<std::string> arguments{"--database_path",
-                                       file("database.db").string(),
+                                       databaseFile().string(),
                                        option_.matching + ".use_gpu",
                                        "0",
                                        option_.matching + ".num_threads",
                                        threads()};
+    if (!added_.empty()) {
+      writePairs();
+      arguments.insert(arguments.end(),
+                       {"--match_list_path", file("added-pairs.txt").string(), "--match_type", "pairs"});
+      return step("matches_importer", kMatching, arguments);
+    }
     const bool all = names_.size() <= kMostExhaustive;
     // COLMAP tells and keeps what it matched block by block: of one block, nothing is seen, and a stop loses all of it.
     if (all) {
@@ -269,6 +299,15 @@ class Estimator {
       arguments.insert(arguments.end(), {"--ExhaustiveMatching.block_size", std::to_string(side)});
     }
     step(all ? "exhaustive_matcher" : "sequential_matcher", kMatching, arguments);
+  }
+
+  // Each added photograph with all others.
+  void writePairs() const {
+    std::string pairs;
+    for (const std::size_t i : added_)
+      for (std::size_t j = 0; j < names_.size(); ++j)
+        if (j < i || (j > i && !std::ranges::binary_search(added_, j))) pairs += names_[i] + ' ' + names_[j] + '\n';
+    writeFile(file("added-pairs.txt"), pairs);
   }
 
   void estimate() {
@@ -296,13 +335,20 @@ class Estimator {
   void addPhotographs() {
     findFeatures();
     matchFeatures();
-    const fs::path before = file("sparse") / readTextFile(file("added-to")), after = file("added");
-    makeFolders(after);
-    step("image_registrator", kAdding,
-         {"--database_path", file("database.db").string(), "--input_path", before.string(), "--output_path",
-          after.string(), "--Mapper.num_threads", threads()});
-    if (!fs::is_empty(after)) fs::rename(after, before.string() + "+");
-    fs::remove_all(before);
+    const fs::path after = file("added");
+    if (!models().empty()) {
+      makeFolders(after);
+      step("image_registrator", kAdding,
+           {"--database_path", databaseFile().string(), "--input_path", models()[0].string(), "--output_path",
+            after.string(), "--Mapper.num_threads", threads()});
+    }
+    // Whenever this is stopped, it can be done again.
+    if (fs::exists(after) && !fs::is_empty(after)) {
+      fs::remove_all(file("sparse"));
+      makeFolders(file("sparse"));
+      fs::rename(after, file("sparse") / "0");
+    }
+    if (fs::exists(databaseFile())) fs::rename(databaseFile(), file("database.db"));
     fs::rename(file("added-key"), file("key"));
     tellUnjoined();
   }
@@ -323,7 +369,8 @@ class Estimator {
 
   std::vector<fs::path> models() const {
     std::vector<fs::path> folders;
-    for (const auto& entry : fs::directory_iterator(file("sparse")))
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(file("sparse"), none))
       if (entry.is_directory()) folders.push_back(entry.path());
     std::ranges::sort(folders);
     return folders;

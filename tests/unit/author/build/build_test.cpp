@@ -782,23 +782,28 @@ TEST_CASE("photographs are added to a scene by building it again, where it is") 
   build(whole);
   build(alone);
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
-  // A photograph that sees none of these places changes nothing of theirs.
+  // A photograph that looks the other way changes no depth.
   Set more;
-  const double farAway = 100;
-  for (const double x : {0.0, 0.4}) {
-    PosedImage image = more.model.images[0];
-    image.name = fmt::format("far{}.png", x);
-    image.camera.pose.position += glm::dvec3(farAway + x, 0, 0);
-    writeImage(more.folder / "photos" / image.name, more.scene.photographs[0]);
-    more.model.images.push_back(image);
-  }
+  PosedImage back{"back.png", lookingAlong({0.2, 0, 0.2}, {0, -1, 0}, 128, 96)};
+  writeImage(more.folder / "photos" / back.name, Image8(128, 96, 3, 90));
+  more.model.images.push_back(back);
   BuildOptions near = more.options("scene"), all = near;
-  near.exclude = {"far0.png", "far0.4.png"};
+  near.exclude = {back.name};
+  near.tracks = all.tracks = TrackSource::model;
   writeColmapModel(more.model, near.model);
   build(near);
+  const auto depths = [&] {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(all.output / ".build"))
+      if (entry.path().extension() == ".depth") names.insert(entry.path().filename());
+    return names;
+  };
+  const std::set<std::string> before = depths();
+  CHECK(before.size() == 4);
   const BuildReport added = build(all);
-  CHECK(loadScene(all.output).nodes.size() == 6);
-  CHECK(std::ranges::all_of(added.cells, [](const auto& cell) { return cell.resumed; }));
+  CHECK(loadScene(all.output).nodes.size() == 5);
+  CHECK(added.cells.size() == 2);
+  CHECK(depths() == before);
 }
 
 TEST_CASE("a draft has photographs' depth and no cells, and the build after it is as without") {
@@ -834,6 +839,13 @@ TEST_CASE("a draft has photographs' depth and no cells, and the build after it i
   for (const Cell& mesh : scene.backdrops) CHECK(mesh.mesh.pointCount() > 50);
   build(whole);
   build(alone);
+  CHECK(filesBelow(whole.output) == filesBelow(alone.output));
+  // A draft of a whole scene takes nothing from it that cannot be had back at once.
+  build(draft);
+  CHECK(loadScene(draft.output).cells.empty());
+  const BuildReport again = build(whole);
+  CHECK(again.cells.size() == 2);
+  CHECK(std::ranges::all_of(again.cells, [](const auto& cell) { return cell.resumed; }));
   CHECK(filesBelow(whole.output) == filesBelow(alone.output));
 
   BuildOptions nothing = set.options("nothing");

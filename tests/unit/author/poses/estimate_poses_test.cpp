@@ -3,6 +3,8 @@
 #include <signal.h>
 
 #include <catch2/catch.hpp>
+#include <cctype>
+#include <chrono>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -125,49 +127,110 @@ TEST_CASE("COLMAP's steps are run, told, and its largest model is taken") {
 
 TEST_CASE("photographs that are added are registered in the model that stands") {
   Place place;
+  fs::remove_all(place.folder / "models");
+  place.writeModel("0", {"a.png", "b.png", "d.png", "more/c.png"});
+  const fs::path poses = place.folder / "poses", database = poses / "database.db";
   estimatePoses(place.options());
+  writeFile(database, "of four");
   writeImage(place.folder / "photos/e.png", Image8(40, 30, 3, 50));
   writeImage(place.folder / "photos/f.png", Image8(40, 30, 3, 60));
-  place.writeModel("../added", {"a.png", "b.png", "e.png", "more/c.png"});
-  const bool stopped = GENERATE(false, true);
+  place.writeModel("../added", {"a.png", "b.png", "d.png", "e.png", "more/c.png"});
+  const Calls adding{"feature_extractor", "matches_importer", "image_registrator"};
   Calls expected = kAll;
-  for (const char* step : {"feature_extractor", "exhaustive_matcher"}) expected.emplace_back(step);
-  if (stopped) {
+  const auto then = [&](const Calls& calls) { expected.insert(expected.end(), calls.begin(), calls.end()); };
+  then(adding);
+  SECTION("one that was stopped goes on") {
     place.touch("FAIL-image_registrator");
     CHECK(test::errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::io);
-    CHECK(fs::exists(place.folder / "poses/sparse/1"));
+    CHECK(readColmapModel(poses / "sparse/0").images.size() == 4);
     fs::remove(place.folder / "FAIL-image_registrator");
-    expected.emplace_back("image_registrator");
+    then({"image_registrator"});
   }
-  expected.emplace_back("image_registrator");
+  SECTION("one that was stopped begins anew with other photographs, and with the database before it") {
+    place.touch("FAIL-image_registrator");
+    CHECK(test::errorOf([&] { estimatePoses(place.options()); }).code() == ErrorCode::io);
+    fs::remove(place.folder / "FAIL-image_registrator");
+    writeFile(poses / "added-database.db", "of what is no longer there");
+    writeImage(place.folder / "photos/e.png", Image8(40, 30, 3, 51));
+    fs::last_write_time(place.folder / "photos/e.png", fs::file_time_type::clock::now() + std::chrono::seconds(9));
+    then(adding);
+  }
+  SECTION("one that was stopped when only its key was not yet in place goes on") {
+    const std::string before = readTextFile(poses / "key");
+    estimatePoses(place.options());
+    fs::rename(poses / "key", poses / "added-key");
+    writeFile(poses / "key", before);
+  }
   std::vector<std::string> messages;
   const auto keep = [&](LogLevel, std::string_view text) { messages.emplace_back(text); };
   const PoseReport report = estimatePoses(place.options(), {}, keep);
   CHECK(report.photographs == 6);
-  CHECK(report.registered == 4);
-  REQUIRE(messages.size() == 3);  // of both groups, as before
+  CHECK(report.registered == 5);
+  REQUIRE(messages.size() == 2);
   CHECK_THAT(messages[0], Contains("f.png") && Contains("1 of 2 added"));
   CHECK(place.calls() == expected);
-  CHECK(readTextFile(place.folder / "poses/added-photographs.txt") == "e.png\nf.png\n");
-  CHECK(readTextFile(place.folder / "poses/photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
+  CHECK(readTextFile(database) == "of four");
+  CHECK_FALSE(fs::exists(poses / "added-database.db"));
+  CHECK(readTextFile(poses / "added-photographs.txt") == "e.png\nf.png\n");
+  CHECK(readTextFile(poses / "added-pairs.txt") ==
+        "e.png a.png\ne.png b.png\ne.png d.png\ne.png more/c.png\n"
+        "f.png a.png\nf.png b.png\nf.png d.png\nf.png e.png\nf.png more/c.png\n");
+  CHECK(readTextFile(poses / "photographs.txt") == "a.png\nb.png\nd.png\nmore/c.png\n");
   const std::string calls = readTextFile(place.folder / "calls");
-  CHECK_THAT(calls, Contains("--image_list_path " + (place.folder / "poses/added-photographs.txt").string()) &&
+  CHECK_THAT(calls, Contains("--image_list_path " + (poses / "added-photographs.txt").string()) &&
                         Contains("--ImageReader.existing_camera_id 1") &&
-                        Contains("--input_path " + (place.folder / "poses/sparse/1").string()));
+                        Contains("--input_path " + (poses / "sparse/0").string()));
   // Nothing is done twice, and what is added next, of another size, is added to that model.
   CHECK(estimatePoses(place.options()).model == report.model);
   CHECK(place.calls() == expected);
   writeImage(place.folder / "photos/g.png", Image8(30, 40, 3, 50));
-  place.writeModel("../added", {"a.png", "b.png", "e.png", "g.png", "more/c.png"});
-  CHECK(estimatePoses(place.options()).registered == 5);
-  CHECK(readTextFile(place.folder / "poses/added-photographs.txt") == "g.png\n");
+  place.writeModel("../added", {"a.png", "b.png", "d.png", "e.png", "g.png", "more/c.png"});
+  CHECK(estimatePoses(place.options()).registered == 6);
+  CHECK(readTextFile(poses / "added-photographs.txt") == "g.png\n");
   const std::string later = readTextFile(place.folder / "calls").substr(calls.size());
-  CHECK_THAT(later, Contains("--input_path " + report.model.string()) && !Contains("existing_camera_id"));
+  CHECK_THAT(later, Contains("image_registrator") && !Contains("existing_camera_id"));
   // One that is gone: all anew.
   fs::remove(place.folder / "photos/e.png");
   estimatePoses(place.options());
   CHECK(place.calls().back() == "mapper");
-  CHECK_FALSE(fs::exists(place.folder / "poses/added-photographs.txt"));
+  CHECK_FALSE(fs::exists(poses / "added-photographs.txt"));
+}
+
+TEST_CASE("poses are estimated anew where what stands is poor, or small beside what is added") {
+  Place place;
+  const auto more = [&](int count, const std::string& suffix) {
+    for (int i = 0; i < count; ++i)
+      writeImage(place.folder / "photos" / (std::to_string(i) + suffix), Image8(40, 30, 3, 50));
+  };
+  SECTION("several groups") {
+    more(1, ".png");
+  }
+  SECTION("most photographs are without a pose") {
+    fs::remove_all(place.folder / "models/1");
+    more(1, ".png");
+  }
+  SECTION("many are added") {
+    fs::remove_all(place.folder / "models/0");
+    place.writeModel("1", {"a.png", "b.png", "d.png", "more/c.png"});
+    more(3, ".png");
+  }
+  SECTION("names of several words") {
+    fs::remove_all(place.folder / "models/0");
+    place.writeModel("1", {"a.png", "b.png", "d.png", "more/c.png"});
+    more(1, " a.png");
+  }
+  // In each section these are added after the first estimate.
+  for (const auto& entry : fs::directory_iterator(place.folder / "photos"))
+    if (std::isdigit(entry.path().filename().string()[0]))
+      fs::rename(entry.path(), place.folder / entry.path().filename());
+  estimatePoses(place.options());
+  for (const auto& entry : fs::directory_iterator(place.folder.path()))
+    if (std::isdigit(entry.path().filename().string()[0]))
+      fs::rename(entry.path(), place.folder / "photos" / entry.path().filename());
+  estimatePoses(place.options());
+  Calls twice = kAll;
+  twice.insert(twice.end(), kAll.begin(), kAll.end());
+  CHECK(place.calls() == twice);
 }
 
 TEST_CASE("many photographs are matched in their order") {
