@@ -93,12 +93,14 @@ Shown[2] mostShown(float step) {
 // Of all hypotheses about a surface: root of their mean square, a share of its ρ.
 float spreadAbout(float surface) {
   float sum = 0.0, square = 0.0;
+  int count = 0;
   for (int j = 0; j < kCandidates; ++j) {
     const float off = min(abs(rho[j] - surface) / max(surface, kGatherLeastApart), 1.0);
     sum += weight[j];
     square += weight[j] * off * off;
+    count += weight[j] > 0.0 ? 1 : 0;
   }
-  return sqrt(square / sum);
+  return count == 1 ? kGatherAloneSpread : sqrt(square / sum);
 }
 
 void main() {

@@ -54,6 +54,7 @@ IBR_CONSTANT float kGatherStepDeviation = 0.18f;    // steps
 IBR_CONSTANT float kGatherSpreadDeviation = 0.85f;  // of the spread …
 IBR_CONSTANT float kGatherColourDeviation = 4.0f;   // … times 1 + this × the colours' deviation / kGatherColourSpread …
 IBR_CONSTANT float kGatherMostColours = 2.0f;       // … which counts up to here
+IBR_CONSTANT float kGatherAloneSpread = 0.05f;      // of a hypothesis that no other candidate has one beside
 IBR_CONSTANT float kGatherSpreadLevels = 31.0f;     // of the code: kGatherSpreadOctave a factor of 2, the last one is 1
 IBR_CONSTANT float kGatherSpreadOctave = 3.0f;
 IBR_CONSTANT float kGatherCompleted = 0.155f;    // trust: a hypothesis below it was completed, not matched

@@ -21,7 +21,10 @@ std::string optionOf(const std::string& key) {
 std::string wordOf(const Json& value) {
   if (!value.is_array()) return value.is_string() ? value.get<std::string>() : value.dump();
   std::string list;
-  for (const Json& one : value) list += (list.empty() ? "" : ",") + wordOf(one);
+  for (const Json& one : value) {
+    if (!list.empty()) list += ",";
+    list += wordOf(one);
+  }
   return list;
 }
 

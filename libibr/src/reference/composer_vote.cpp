@@ -25,6 +25,7 @@ constexpr double kSureConsensus = 0.5;     // consensus from which on ρ counts 
 constexpr double kUnsure = 0.1;            // … it may be off by up to this share of itself
 constexpr double kOpaque = 0.5;            // opacity from which on a surface counts for depth
 constexpr double kLeastDepth = 1e-6;       // ρ that spreads are taken in relation to, at least
+constexpr double kAloneSpread = 0.05;      // of a hypothesis that no other candidate has one beside
 constexpr double kStepDeviation = 0.18;    // of a confirmed ρ: steps, and …
 constexpr double kSpreadDeviation = 0.85;  // … of the spread, times 1 + …
 constexpr double kColourDeviation = 4;     // … this × the colours' deviation in …
@@ -66,6 +67,7 @@ std::vector<double> presences(std::span<const Vote> votes, std::span<const doubl
 }
 
 double spreadAbout(std::span<const Vote> votes, double surface) {
+  if (votes.size() == 1) return kAloneSpread;
   double sum = 0, square = 0;
   for (const Vote& vote : votes) {
     const double off = std::min(std::abs(vote.inverseDepth - surface) / std::max(surface, kLeastDepth), 1.0);
