@@ -23,7 +23,7 @@
 namespace ibr {
 namespace {
 
-constexpr std::uint64_t kVersion = 14;  // of the cells' making: raise it when they come out differently
+constexpr std::uint64_t kVersion = 15;  // of the cells' making: raise it when they come out differently
 constexpr double kTolerablePx = 1.0;    // median reprojection error, px of the matched pictures
 constexpr std::size_t kEnough = 30;     // points, to do without those that not all members see
 

@@ -20,6 +20,7 @@ constexpr float kAlike = 16.0f;  // RMS below which a triangle may lack texture 
 constexpr float kLargestRms = 24.0f;
 constexpr float kLargestOff = 0.3f;
 constexpr float kOffPx = 1.5f;
+constexpr float kFarOffPx = 3.0f;  // off however alike it looks: from outside the cell a roof in the sky is seen there
 constexpr double kSameColour = 16.0;  // mean over channels: where members differ by less, nobody sees what is off
 constexpr double kNoise = 25.0;       // grey² in variances and covariance
 
@@ -163,19 +164,22 @@ std::vector<TriangleLabel> labelTriangles(std::span<const MatchView> views, cons
       const glm::vec2 at = w.x * frame[t.x] + w.y * frame[t.y] + w.z * frame[t.z];
       const int px = std::clamp(int(at.x), 0, width - 1), py = std::clamp(int(at.y), 0, height - 1);
       const std::size_t pixel = std::size_t(py) * std::size_t(width) + std::size_t(px);
-      bool elsewhere = !match.good.values[pixel];
+      bool elsewhere = !match.good.values[pixel], farOff = false;
       std::array<glm::dvec3, kMostMembers> colour;
       std::array<bool, kMostMembers> used;
       for (std::size_t i = 0; i < d; ++i) {
         const std::vector<glm::vec2>& m = member[i];
         const glm::vec2 here = w.x * m[t.x] + w.y * m[t.y] + w.z * m[t.z];
         const glm::vec2 dense(match.position[i].values[2 * pixel], match.position[i].values[2 * pixel + 1]);
-        elsewhere = elsewhere || !(glm::distance(here, dense) <= kOffPx);
+        const float apart = glm::distance(here, dense);
+        elsewhere = elsewhere || !(apart <= kOffPx);
+        farOff = farOff || !(apart <= kFarOffPx);
         colour[i] = exposure[i].gain * sampled(views[i].picture, here) + exposure[i].offset;
         used[i] = !isIgnored(views[i].mask, here);
       }
       const bool alone = std::count(used.begin(), used.begin() + std::ptrdiff_t(d), true) < 2;
-      off += alone || (elsewhere && largestDifference({colour.data(), d}, std::span(used).first(d)) > kSameColour);
+      off += alone || farOff ||
+             (elsewhere && largestDifference({colour.data(), d}, std::span(used).first(d)) > kSameColour);
       for (std::size_t i = 0, pair = 0; i < d; ++i)
         for (std::size_t j = 0; j < i; ++j, ++pair) {
           if (!used[i] || !used[j]) continue;

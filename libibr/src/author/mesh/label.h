@@ -13,7 +13,7 @@ namespace ibr {
 struct TriangleLabel {
   float ecc = 0;  // worst pair
   float rms = 0;  // grey levels, worst pair
-  float off = 0;  // share of the samples where the dense match is missing or elsewhere
+  float off = 0;  // share of the samples where the dense match is missing or elsewhere, and it shows, or it is far off
   bool agrees() const;
 };
 

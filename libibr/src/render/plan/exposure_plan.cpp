@@ -14,8 +14,8 @@ std::optional<glm::dvec3> wantedExposure(const Scene& scene, const FramePlan& pl
     constexpr double kNearest = 0.01;  // b², so that a photograph's own place divides by no zero
     double weights = 0;
     for (const PlannedPhotograph& photograph : plan.photographs) {
-      const double distance = photograph.distance / plan.gather.spacing,
-                   weight = photograph.share / (kNearest + distance * distance);
+      const double distance = photograph.distance / plan.gather.spacing, near = 1 / (kNearest + distance * distance),
+                   weight = std::sqrt(photograph.share) * near * near;
       weights += weight;
       sum -= weight * glm::log(scene.nodes[photograph.node].gain);
     }

@@ -8,8 +8,8 @@ namespace ibr {
 
 /// FramePlan::exposure; PlanState::exposure of the plan's `next` is set. Of Exposure::adapted the inverse of the mean
 /// gain (of logs, by the weights of blending) of the main cell's members; where no cell is drawn, of the planned
-/// photographs by their shares over their squared distance. It is followed with the time constant
-/// RenderSettings::exposureSeconds. `seconds`: since the frame before.
+/// photographs by the root of their shares over the fourth power of their distance. It is followed with the time
+/// constant RenderSettings::exposureSeconds. `seconds`: since the frame before.
 glm::dvec3 plannedExposure(const Scene& scene, double seconds, const PlanState& state, FramePlan& plan);
 
 }  // namespace ibr

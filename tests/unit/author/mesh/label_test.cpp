@@ -70,9 +70,10 @@ TEST_CASE("what is not where the dense match says does not agree, where that sho
   const auto same = [](double value, double) { return value; };
   for (const double amplitude : {60.0, 5.0}) {
     CHECK(labelOf(amplitude, same, 1.0f).off == 0);
-    const TriangleLabel moved = labelOf(amplitude, same, 3.0f);
+    const TriangleLabel moved = labelOf(amplitude, same, 2.9f);
     CHECK(moved.ecc == Approx(1));
-    CHECK(moved.off == 0);  // nobody sees it: both views show one colour in each sample
+    CHECK(moved.off == 0);                                 // nobody sees it: both views show one colour in each sample
+    CHECK_FALSE(labelOf(amplitude, same, 3.1f).agrees());  // it would be seen from elsewhere
   }
   const auto noisy = [](double value, double noise) { return value + 30 * noise; };
   CHECK(labelOf(60, noisy).agrees());
