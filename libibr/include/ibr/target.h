@@ -90,8 +90,8 @@ struct BufferTargets {
   /// kWeightsFormat: of the members' colours, in the order of the cell's; they sum to 1 [0].
   BufferTarget weights;
   /// kConfidenceFormat: spread of the members' colours, their standard deviation under the weights, root mean square
-  /// over R, G, B as displayed, 0 to 1, before colour mapping [0]; the mesh's uncertainty of ρ, one standard deviation,
-  /// 1 / world unit [infinity].
+  /// over R, G, B as displayed, 0 to 1, before colour mapping [0]; uncertainty of ρ, one standard deviation, 1 / world
+  /// unit: the mesh's; where a pixel is gathered, of the vote (gatherSigma in shaders/shared/gather.h) [infinity].
   BufferTarget confidence;
 };
 

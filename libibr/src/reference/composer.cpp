@@ -24,7 +24,6 @@ namespace ibr::reference {
 namespace {
 
 // Fixed: depth maps are compared by them.
-constexpr double kColourSpread = 15;              // 8-bit levels; a surface whose colours differ by this counts half
 constexpr double kStepPx = 2;                     // of the photograph: 1 px at half its size
 constexpr double kAngleFloor = 0.03;              // radians: as the gather's
 constexpr std::array kCandidateDepths{1.6, 0.4};  // of the median ρ

@@ -11,6 +11,9 @@
 
 namespace ibr::reference {
 
+/// Standard deviation of a surface's colours, 8-bit levels, that halves its weight.
+inline constexpr double kColourSpread = 15;
+
 /// ρ by which two hypotheses may differ and still be the same surface.
 double toleranceOf(double step, double inverseDepth);
 

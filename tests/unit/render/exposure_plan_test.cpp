@@ -157,6 +157,18 @@ TEST_CASE("where no cell is drawn the eye adapts to the photographs that are gat
   CHECK(near(exposure(bare, between, Composition::hybrid), exposure(bare, between, Composition::gathered)));
   CHECK(near(exposure(scene, between, Composition::hybrid), exposure(scene, between, Composition::cells)));
   CHECK_FALSE(near(exposure(scene, between, Composition::gathered), exposure(scene, between, Composition::cells)));
+  RenderSettings gathered;
+  gathered.composition = Composition::gathered;
+  const FramePlan plan = planAt(bare, between, gathered);
+  REQUIRE(plan.photographs.size() == 3);
+  glm::dvec3 sum(0);
+  double weights = 0;
+  for (const PlannedPhotograph& one : plan.photographs) {
+    const double weight = std::sqrt(one.share) / std::pow(0.01 + std::pow(one.distance / plan.gather.spacing, 2), 2);
+    sum += weight * glm::log(bare.nodes[one.node].gain);
+    weights += weight;
+  }
+  CHECK(near(plan.exposure, glm::exp(-sum / weights)));
   for (const std::uint32_t n : {0u, 1u}) {
     const glm::dvec3 own = exposure(bare, scene.nodes[n].camera.pose.position, Composition::hybrid);
     for (int c = 0; c < 3; ++c) CHECK(own[c] * scene.nodes[n].gain[c] == Approx(1).epsilon(0.2));
