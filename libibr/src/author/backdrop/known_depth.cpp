@@ -49,19 +49,4 @@ ImageF depthOfPoints(const Camera& camera, std::span<const glm::dvec3> points) {
   return std::move(samples).medians();
 }
 
-ImageF medianDepth(std::span<const ImageF> maps) {
-  ImageF result(maps[0].width, maps[0].height, 1, kUnknownDepth);
-  std::vector<float> values;
-  for (std::size_t at = 0; at < result.values.size(); ++at) {
-    values.clear();
-    for (const ImageF& map : maps)
-      if (map.values[at] >= 0) values.push_back(map.values[at]);
-    if (values.empty()) continue;
-    const auto middle = values.begin() + std::ptrdiff_t((values.size() - 1) / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    result.values[at] = *middle;
-  }
-  return result;
-}
-
 }  // namespace ibr

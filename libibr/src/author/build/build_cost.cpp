@@ -17,7 +17,7 @@ constexpr double kBackdrop = 130;
 constexpr double kSweep = 4500, kRefine = 4500, kConfirm = 400;  // a pixel of the depth maps
 constexpr double kObservation = 150e-6;                          // of a point, while poses are refined
 constexpr double kExposurePoint = 15e-6, kSolvingShare = 0.2;    // of a point in two photographs; one thread solves
-constexpr double kJudged = 500, kJudge = 1300;
+constexpr double kJudged = 250, kJudge = 240;  // a pixel of a photograph, and of each that it is compared with
 
 double perPixel(TextureFormat format) {
   return kMips + (format == TextureFormat::bc1 ? kBc1 : format == TextureFormat::bc7 ? kBc7 : 0);
@@ -45,7 +45,8 @@ std::vector<StageCost> costOf(const BuildWork& work, const StageThreads& threads
   add("storing photographs", storing, threads.storing, storing / photographs);
   add("finding features", 1e-9 * kFeatures * work.featurePixels, threads.features, 0);
   add("matching features", kPair * double(work.pairs), threads.features, 0);
-  const double judging = 1e-9 * (kJudged * work.judgedPixels + kJudge * work.judgePixels);
+  const double judging =
+      1e-9 * ((kSweep + kConfirm) * work.judgedSweptPixels + kJudged * work.judgedPixels + kJudge * work.judgePixels);
   add("finding what moved", judging, threads.movers, judging / photographs);
   double cells = 0, longest = 0;
   for (const CellWork& cell : work.cells) {

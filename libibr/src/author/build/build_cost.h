@@ -28,11 +28,12 @@ struct CellWork {
 /// All that a build has to do. Pixels are summed over photographs.
 struct BuildWork {
   std::size_t photographs = 0;
-  double readPixels = 0;     // of the files
-  double storedPixels = 0;   // of which textures are made
-  double encodedPixels = 0;  // of pictures that are written anew, not copied
-  double featurePixels = 0;  // in which features are looked for
-  std::size_t pairs = 0;     // whose features are matched
+  double readPixels = 0;         // of the files
+  double storedPixels = 0;       // of which textures are made
+  double encodedPixels = 0;      // of pictures that are written anew, not copied
+  double featurePixels = 0;      // in which features are looked for
+  std::size_t pairs = 0;         // whose features are matched
+  double judgedSweptPixels = 0;  // of depth, by which moving objects are found
   double judgedPixels = 0,
          judgePixels = 0;  // that are matched, where movers are sought: of photographs, of their judges
   std::vector<CellWork> cells;

@@ -150,6 +150,8 @@ class Predictor {
       const Photograph& photo = input_.photographs[i];
       if (isPanorama(photo)) continue;
       const double pixels = pixelsOf(matchedCamera(photo.camera).intrinsics);
+      const glm::ivec2 swept = sweptSize(photo.camera.intrinsics);
+      work_.judgedSweptPixels += kFastSides * kFastSides * swept.x * swept.y;
       work_.judgedPixels += pixels;
       work_.judgePixels += pixels * double(input_.model.tracks.empty() ? kMostJudges : judges[i].size());
       judging_ = std::max(judging_, bytesToJudge(photo));
@@ -202,7 +204,7 @@ class Predictor {
     StageThreads side;
     side.storing = threads(storing_, 0, photographs);
     side.features = work_.pairs > 0 ? threads(features_, 0, photographs) : 1;
-    if (options_.removeMovers) side.movers = threads(judging_, kept_, photographs);
+    if (options_.removeMovers) side.movers = threads(judging_, kept_ + depths_, photographs);
     side.cells = threads(matching_, kept_ + depths_, std::max<std::size_t>(work_.cells.size(), 1));
     if (work_.exposures) threads(loading_, kept_ + depths_ + bytesToCompareExposures(work_), photographs);
     threads(reading_, kept_ + depths_, photographs);

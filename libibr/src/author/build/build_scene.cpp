@@ -68,7 +68,7 @@ class Builder {
     }
     describe();
     if (options_.refinePoses) refineByCells();
-    std::vector<PhotographDepth> depths = findDepths();
+    std::vector<PhotographDepth> depths = findDepths(options_.depth);
     makeCells(depths);
     useDepths(std::move(depths));
     listUnused();
@@ -186,9 +186,9 @@ class Builder {
     report_.dropped = plan_.dropped;
   }
 
-  // One mask is held on each thread.
+  // By depth found fast: the masks change the depth that is found with them.
   void maskMovers() {
-    const std::vector<BitMask> moved = findMovers(input_, jobs_);
+    const std::vector<BitMask> moved = findMovers(input_, findDepths(DepthSearch::fast), jobs_);
     if (std::ranges::all_of(moved, &BitMask::empty)) return;
     double bytes = 0;
     for (const Photograph& photo : input_.photographs) bytes = std::max(bytes, bytesToStore(photo));
@@ -359,14 +359,14 @@ class Builder {
   }
 
   // In the order of the photographs.
-  std::vector<PhotographDepth> findDepths() const {
+  std::vector<PhotographDepth> findDepths(DepthSearch search) const {
     constexpr double kFaceShare = 0.5;  // of a panorama's pixels: a face, and its part of the whole
     double pixels = 0;
     for (const Photograph& photo : input_.photographs) {
       const glm::ivec2 size = backdropSize(photo.camera.intrinsics);
-      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finerPixels(options_.depth) * size.x * size.y);
+      pixels = std::max(pixels, (isPanorama(photo) ? kFaceShare : 1) * finerPixels(search) * size.x * size.y);
     }
-    const DepthMatcher matcher(input_, options_, jobs_);
+    const DepthMatcher matcher(input_, search, keptFolder(options_), jobs_);
     std::size_t run = 0;
     std::vector<Camera> cameras;
     for (const Photograph& photo : input_.photographs) cameras.push_back(photo.camera);

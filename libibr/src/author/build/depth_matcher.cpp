@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <iterator>
+#include <utility>
 
 #include "author/backdrop/backdrop.h"
 #include "author/build/assumed_tracks.h"
@@ -114,8 +115,9 @@ SweepView DepthMatcher::Picture::view() const {
   return view;
 }
 
-DepthMatcher::DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs)
-    : input_(input), options_(options), model_(input.model) {
+DepthMatcher::DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept,
+                           const BuildJobs& jobs)
+    : input_(input), search_(search), kept_(std::move(kept)), model_(input.model) {
   std::vector<bool> hasNone;
   for (const auto& tracks : input.tracksOf) hasNone.push_back(tracks.empty());
   std::vector<Camera> cameras;
@@ -144,7 +146,7 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
   for (std::size_t v = first; v < views_.size() && views_[v].node == views_[first].node; ++v) {
     const Camera& stored = views_[v].camera;
     const glm::ivec2 size = sweptSize(stored.intrinsics), whole(stored.intrinsics.width, stored.intrinsics.height);
-    const double share = options_.depth == DepthSearch::fast ? kFastSides : 1;
+    const double share = search_ == DepthSearch::fast ? kFastSides : 1;
     const auto picture = [&](glm::ivec2 at, int window) -> Picture {
       const Camera camera{resized(stored.intrinsics, at.x, at.y), stored.pose};
       return {camera, greyOf(loaded.colours(camera)), widenedMask(loaded.mask(camera), window)};
@@ -157,7 +159,7 @@ void DepthMatcher::readViews(const Photograph& photograph, std::size_t first) {
 std::uint64_t DepthMatcher::keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const {
   Hash hash;
   hash.add(kVersion);
-  hash.add(std::uint64_t(options_.depth));
+  hash.add(std::uint64_t(search_));
   const auto addView = [&](std::size_t v) {
     addPhotograph(hash, input_, views_[v].node);
     const glm::dquat& turn = views_[v].camera.pose.rotation;
@@ -190,12 +192,12 @@ std::optional<SweptDepth> DepthMatcher::match(std::size_t view) const {
   const std::vector<std::uint32_t> sources = depthSources(model_, views_, tracksOf_, std::uint32_t(view));
   if (sources.empty() || tracks.empty()) return std::nullopt;
   const SweepRange range = sweepRange(std::move(tracks), fromInfinity_);
-  const std::filesystem::path file = keptFile(keptFolder(options_), keyOf(view, sources, range), kKind);
+  const std::filesystem::path file = keptFile(kept_, keyOf(view, sources, range), kKind);
   if (auto kept = fetchDepth(file)) return kept;
   SweptDepth depth = sweptDepth(small_[view].view(), viewsOf(small_, sources), range);
   const Image8& fine = fine_[view].grey;
-  if (options_.depth == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
-  if (options_.depth == DepthSearch::fast) {
+  if (search_ == DepthSearch::fine) depth = enlarged(depth, fine.width, fine.height);
+  if (search_ == DepthSearch::fast) {
     const glm::ivec2 size = sweptSize(views_[view].camera.intrinsics);
     depth = enlarged(depth, size.x, size.y);
   }

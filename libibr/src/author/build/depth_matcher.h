@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Depth of a build's photographs and of its panoramas' faces, each swept against all that see the same places and, as
-// BuildOptions::depth asks, refined in pictures of twice the size.
+// DepthSearch asks, refined in pictures of twice the size.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <vector>
@@ -35,9 +36,9 @@ double bytesToReadViews(const Photograph& photograph);
 
 class DepthMatcher {
  public:
-  /// Reads the photographs. `input` and `options` must outlive the object. Throws as loadPhotograph and
-  /// BuildJobs::runAll do.
-  DepthMatcher(const BuildInput& input, const BuildOptions& options, const BuildJobs& jobs);
+  /// Reads the photographs. `kept`: folder of the finished depth. `input` must outlive the object. Throws as
+  /// loadPhotograph and BuildJobs::runAll do.
+  DepthMatcher(const BuildInput& input, DepthSearch search, std::filesystem::path kept, const BuildJobs& jobs);
 
   /// Of one of the photographs' depthViews(), at sweptSize(); DepthSearch::fine: kFinerSides of it. nullopt where no
   /// other view sees the same places. Finished depth is kept as cells are. Any number of threads.
@@ -57,12 +58,13 @@ class DepthMatcher {
 
   // Inverse depths of what a view sees, along its axis.
   std::vector<double> tracksSeenBy(std::size_t view) const;
-  bool isRefined() const { return options_.depth >= DepthSearch::refined; }
+  bool isRefined() const { return search_ >= DepthSearch::refined; }
   static std::vector<SweepView> viewsOf(const std::vector<Picture>& pictures, std::span<const std::uint32_t> which);
   std::uint64_t keyOf(std::size_t view, const std::vector<std::uint32_t>& sources, SweepRange range) const;
 
   const BuildInput& input_;
-  const BuildOptions& options_;
+  DepthSearch search_;
+  std::filesystem::path kept_;
   PosedModel model_;  // the input's; photographs without tracks have assumed ones
   std::vector<std::vector<std::uint32_t>> tracksOf_;
   std::vector<DepthView> views_;

@@ -2,7 +2,6 @@
 #include "author/build/find_movers.h"
 
 #include <algorithm>
-#include <glm/vec3.hpp>
 #include <map>
 #include <utility>
 
@@ -16,10 +15,10 @@ namespace ibr {
 namespace {
 
 constexpr std::size_t kLeastShared = 20;  // tracks, to judge
-constexpr double kBytesPerPixel = 200;    // that a judge's sweep takes, of a photograph's matched pixels
+constexpr double kBytesPerPixel = 200;    // of a photograph's matched pixels, while it is compared with its judges
 
-JudgedView judged(const BuildInput& input, std::uint32_t photograph, const std::vector<std::uint32_t>& judges) {
-  std::vector<std::uint32_t> members{photograph};
+JudgedView judged(const BuildInput& input, const PhotographDepth& depth, const std::vector<std::uint32_t>& judges) {
+  std::vector<std::uint32_t> members{depth.node};
   members.insert(members.end(), judges.begin(), judges.end());
   const std::vector<Camera> cameras = camerasToMatch(input, members);
   std::vector<MatchView> views;
@@ -27,13 +26,7 @@ JudgedView judged(const BuildInput& input, std::uint32_t photograph, const std::
     views.push_back(viewOf(input.photographs[members[i]]));
     views.back().camera = cameras[i];
   }
-  std::map<std::uint32_t, int> seen;
-  for (const std::uint32_t i : members)
-    for (const std::uint32_t t : input.tracksOf[i]) ++seen[t];
-  std::vector<glm::dvec3> points;
-  for (const auto& [track, times] : seen)
-    if (times >= 2) points.push_back(input.model.tracks[track].position);
-  JudgedView result{{}, judges, oddRegions(views[0], std::span(views).subspan(1), points)};
+  JudgedView result{{}, judges, oddRegions(views[0], std::span(views).subspan(1), depth.matched.map.inverseDepth)};
   result.camera = {resized(cameras[0].intrinsics, result.odd.width, result.odd.height), cameras[0].pose};
   return result;
 }
@@ -67,13 +60,14 @@ double bytesToJudge(const Photograph& photograph) {
   return bytesToLoad(photograph) + kBytesPerPixel * std::min(double(k.width) * k.height, kMatchPixels);
 }
 
-std::vector<BitMask> findMovers(const BuildInput& input, const BuildJobs& jobs) {
+std::vector<BitMask> findMovers(const BuildInput& input, std::span<const PhotographDepth> depths,
+                                const BuildJobs& jobs) {
   const std::vector<std::vector<std::uint32_t>> judges = judgesOf(input);
   double bytes = 0;
   for (const Photograph& photo : input.photographs) bytes = std::max(bytes, bytesToJudge(photo));
   std::vector<JudgedView> views(judges.size());
   jobs.runAll("finding what moved", judges.size(), bytes, [&](std::size_t i) {
-    if (!judges[i].empty()) views[i] = judged(input, std::uint32_t(i), judges[i]);
+    if (!judges[i].empty()) views[i] = judged(input, depths[i], judges[i]);
   });
   return settleMovers(views);
 }

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "author/build/build_input.h"
+#include "author/depth/photograph_depth.h"
 #include "author/jobs/build_jobs.h"
 #include "author/pixels/bit_mask.h"
 #include "ibr/author.h"
@@ -26,10 +28,11 @@ double bytesToJudge(const Photograph& photograph);
 inline constexpr double kJudgementBytesPerPixel = 0.7;
 
 /// Of each photograph what is masked of it, at half the size at which it is matched (settle_movers.h); empty where
-/// nothing is, or nobody can judge it. Photographs are stored. Beside what one photograph takes on each thread all of
-/// them are held at three bits a pixel of that size, and eight bytes a pixel of what differs, of a quarter of them at
-/// most. Throws Error.
-std::vector<BitMask> findMovers(const BuildInput& input, const BuildJobs& jobs);
+/// nothing is, or nobody can judge it. `depths`: of all photographs, in their order. Photographs are stored. Beside
+/// what one photograph takes on each thread all of them are held at three bits a pixel of that size, and eight bytes a
+/// pixel of what differs, of a quarter of them at most. Throws Error.
+std::vector<BitMask> findMovers(const BuildInput& input, std::span<const PhotographDepth> depths,
+                                const BuildJobs& jobs);
 
 /// As a mask of this size.
 Image8 maskOf(const BitMask& moved, int width, int height);

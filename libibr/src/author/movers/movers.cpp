@@ -9,46 +9,40 @@
 #include <vector>
 
 #include "author/backdrop/complete_depth.h"
-#include "author/backdrop/known_depth.h"
 #include "author/geometry/mean_frame.h"
 #include "author/movers/familiar.h"
 #include "author/photographs/masks.h"
 #include "author/pixels/cv_view.h"
 #include "author/pixels/resize.h"
-#include "author/sweep/depth_clean.h"
-#include "author/sweep/depth_edges.h"
-#include "author/sweep/dominant_planes.h"
-#include "author/sweep/plane_sweep.h"
-#include "author/sweep/sgm.h"
 #include "author/sweep/window_agreement.h"
 #include "base/check.h"
 
 namespace ibr {
 namespace {
 
-constexpr int kSpeckle = 60;          // px at half resolution
-constexpr double kPiece = 0.002;      // of the area: what has a depth of its own on less is chance
-constexpr float kSpeckleStep = 2.0f;  // levels
-constexpr int kSweepWindow = 2;       // px, radius of the sweep's windows
-constexpr int kMisaligned = 2;        // px at half resolution that colours may be off
-constexpr int kPatch = 3;             // px, side of what differs as a whole
-constexpr int kSurely = 24;           // grey levels: a mover's core
-constexpr int kPerhaps = 10;          // and what belongs to it
-constexpr double kCore = 0.2;         // share of a region that is core, at least
-constexpr double kLooksLike = 0.75;   // correlation that explains a pixel
-constexpr double kExplained = 0.3;    // share of a region that makes it no mover
-constexpr double kThin = 0.003;       // of the width: what is no wider is an edge
-constexpr double kSmall = 0.001;      // of the area
-constexpr double kMost = 0.25;        // of the area
-constexpr double kAgrees = 0.68;      // share of what it sees around that another one must show alike, to judge
-constexpr double kKnown = 0.15;       // share of that whose depth was not completed
-constexpr int kAround = 16;           // px at half resolution around a region, at least, in which its like is sought
-constexpr int kLeastAround = 200;     // px that are alike there, at least
-constexpr double kStranger = 1.35;    // times as unfamiliar as the other …
-constexpr double kNoise = 3;          // … and grey levels more
-constexpr double kSure = 0.3;         // share of a part that must be
-constexpr double kSeen = 0.5;         // and that others must see
-constexpr int kSmoothing = 200;       // sweeps of successive over-relaxation
+constexpr int kMaskMargin = 2;       // px at half resolution
+constexpr int kMisaligned = 2;       // px at half resolution that colours may be off
+constexpr int kPatch = 3;            // px, side of what differs as a whole
+constexpr int kSurely = 24;          // grey levels: a mover's core
+constexpr int kPerhaps = 10;         // and what belongs to it
+constexpr double kCore = 0.2;        // share of a region that is core, at least
+constexpr double kLooksLike = 0.75;  // correlation that explains a pixel
+constexpr double kStandsStill =
+    0.1;                            // share of a region with a depth: people have .00 to .06, others mostly .2 and more
+constexpr int kDepthLevels = 96;    // from infinity to the nearest depth
+constexpr int kLeastPatch = 3;      // px at half resolution, radius
+constexpr double kThin = 0.003;     // of the width: what is no wider is an edge
+constexpr double kSmall = 0.001;    // of the area
+constexpr double kMost = 0.25;      // of the area
+constexpr double kAgrees = 0.68;    // share of what it sees around that another one must show alike, to judge
+constexpr double kKnown = 0.15;     // share of that whose depth was not completed
+constexpr int kAround = 16;         // px at half resolution around a region, at least, in which its like is sought
+constexpr int kLeastAround = 200;   // px that are alike there, at least
+constexpr double kStranger = 1.35;  // times as unfamiliar as the other …
+constexpr double kNoise = 3;        // … and grey levels more
+constexpr double kSure = 0.3;       // share of a part that must be
+constexpr double kSeen = 0.5;       // and that others must see
+constexpr int kSmoothing = 200;     // sweeps of successive over-relaxation
 constexpr float kOverrelaxed = 1.9f;
 constexpr int kIsland = 3;  // px: what looks alike on less is chance
 constexpr int kBand = 5;    // px at half resolution on both sides of an outline
@@ -66,21 +60,28 @@ cv::Mat grey(const cv::Mat& colour) {
 
 // One photograph among others, at half the matched size.
 struct Half {
-  SweepView sweep;
+  Camera camera;
   cv::Mat colour;  // float, 3 channels
   cv::Mat used;    // 255: inside the mask
 };
 
 Half halfOf(const MatchView& view) {
   const int width = std::max(view.picture.width / 2, 1), height = std::max(view.picture.height / 2, 1);
-  Half half{{{resized(view.camera.intrinsics, width, height), view.camera.pose}, ImageF(width, height, 1)}, {}, {}};
+  Half half{{resized(view.camera.intrinsics, width, height), view.camera.pose}, {}, {}};
   const Image8 small = shrunk(view.picture, width, height);
   cvView(small).convertTo(half.colour, CV_32F);
-  grey(half.colour).copyTo(cvView(half.sweep.grey));
-  half.sweep.mask = widenedMask(resizedMask(view.mask, width, height), kSweepWindow);
-  half.used =
-      half.sweep.mask.empty() ? cv::Mat(height, width, CV_8U, cv::Scalar(255)) : cvView(half.sweep.mask).clone();
+  const Image8 mask = widenedMask(resizedMask(view.mask, width, height), kMaskMargin);
+  half.used = mask.empty() ? cv::Mat(height, width, CV_8U, cv::Scalar(255)) : cvView(mask).clone();
   return half;
+}
+
+// The nearest pixel's value: between two surfaces there is no depth.
+ImageF sampled(const ImageF& map, int width, int height) {
+  ImageF result(width, height, 1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      result.pixel(x, y)[0] = map.pixel(int((x + 0.5) * map.width / width), int((y + 0.5) * map.height / height))[0];
+  return result;
 }
 
 // Another photograph as the frame sees it through a depth.
@@ -91,15 +92,18 @@ struct Warped {
 
 class Judge {
  public:
-  Judge(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points)
-      : view_(halfOf(view)), frame_(view_.sweep.camera), points_(points) {
+  Judge(const MatchView& view, std::span<const MatchView> others, const ImageF& depth)
+      : view_(halfOf(view)),
+        frame_(view_.camera),
+        width_(frame_.intrinsics.width),
+        height_(frame_.intrinsics.height),
+        nearest_(*std::ranges::max_element(depth.values)),
+        matched_(sampled(depth, width_, height_)) {
     for (const MatchView& other : others) others_.push_back(halfOf(other));
-    width_ = frame_.intrinsics.width;
-    height_ = frame_.intrinsics.height;
   }
 
   OddRegions run() {
-    matched_ = matchedDepth();
+    keepAlike();
     OddRegions odd = look();
     if (!odd.regions.empty()) {
       forget(odd);
@@ -113,35 +117,20 @@ class Judge {
   }
 
  private:
-  // Inverse depth in the frame that the photographs agree on best, and the sweep's step.
-  std::pair<ImageF, float> depthOf(std::span<const Half* const> halves) const {
-    std::vector<SweepView> views;
-    std::vector<Camera> cameras;
-    for (const Half* half : halves) {
-      views.push_back(half->sweep);
-      cameras.push_back(half->sweep.camera);
-    }
-    std::vector<double> depths;
-    for (const glm::dvec3& point : points_)
-      if (const double w = inverseDepth(frame_, point); w > 0 && std::isfinite(w)) depths.push_back(w);
-    check(!depths.empty(), ErrorCode::invalidInput, "no point lies in front of the photograph");
-    const SweepLevels levels = sweepLevels(frame_, cameras, std::move(depths));
-    const CostVolume volume = planeSweep(frame_, views, levels, dominantPlanes(frame_, cameras, points_));
-    ImageF level = semiGlobalMatch(volume).level;
-    cleanDepth(level, kSpeckleStep, kSpeckle);
-    trimForegrounds(frame_, views, levels, volume.guide, level);
-    for (float& l : level.values) l = float(levels.at(double(l)));
-    return {enlarged(fitPlanes(level, float(levels.step)), width_, height_), float(levels.step)};
+  Warped warped(const Half& other, const ImageF& depth) const {
+    return warped(other, {0, 0, width_, height_}, [&](int x, int y) { return depth.pixel(x, y)[0]; });
   }
 
-  Warped warped(const Half& other, const ImageF& depth) const {
-    const FrameToMember map = frameToMember(frame_, other.sweep.camera);
-    const Intrinsics& k = other.sweep.camera.intrinsics;
-    cv::Mat at(height_, width_, CV_32FC2);
-    Warped result{{}, cv::Mat(height_, width_, CV_8U, cv::Scalar(0))};
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x) {
-        const auto pixel = map({x + 0.5, y + 0.5}, double(depth.pixel(x, y)[0]));
+  // `depthAt`: of the box.
+  template <class DepthAt>
+  Warped warped(const Half& other, cv::Rect box, const DepthAt& depthAt) const {
+    const FrameToMember map = frameToMember(frame_, other.camera);
+    const Intrinsics& k = other.camera.intrinsics;
+    cv::Mat at(box.size(), CV_32FC2);
+    Warped result{{}, cv::Mat(box.size(), CV_8U, cv::Scalar(0))};
+    for (int y = 0; y < box.height; ++y)
+      for (int x = 0; x < box.width; ++x) {
+        const auto pixel = map({box.x + x + 0.5, box.y + y + 0.5}, double(depthAt(box.x + x, box.y + y)));
         const glm::dvec2 p = pixel.value_or(glm::dvec2(-1));
         at.at<cv::Vec2f>(y, x) = {float(p.x - 0.5), float(p.y - 0.5)};
         if (p.x < 1 || p.y < 1 || p.x > k.width - 1 || p.y > k.height - 1) continue;
@@ -197,6 +186,19 @@ class Judge {
     return cv::max(outside(a, b), outside(b, a));
   }
 
+  // Drops depth at which no other photograph looks alike, as on a moving object.
+  void keepAlike() {
+    cv::Mat alike(height_, width_, CV_8U, cv::Scalar(0));
+    for (const Half& other : others_) {
+      const Warped w = warped(other, matched_);
+      alike |= agreement(grey(view_.colour), grey(w.colour)).alike & w.inside;
+    }
+    alike &= view_.used & (cvView(matched_) != kUnknownDepth);
+    cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(kIsland));
+    cvView(matched_).setTo(kUnknownDepth, alike == 0);
+    known_ = cvView(matched_) != kUnknownDepth;
+  }
+
   // What differs through the depth that is known so far.
   OddRegions look() {
     Image8 colours(width_, height_, 3);
@@ -240,26 +242,18 @@ class Judge {
       }
   }
 
-  // Where the view and another one look alike, the median of what they say.
-  ImageF matchedDepth() {
-    std::vector<ImageF> maps;
-    explained_ = cv::Mat(height_, width_, CV_8U, cv::Scalar(0));
-    known_ = explained_.clone();
-    for (const Half& other : others_) {
-      const Half* const both[]{&view_, &other};
-      auto [depth, step] = depthOf(both);
-      const Warped w = warped(other, depth);
-      cv::Mat alike = agreement(grey(view_.colour), grey(w.colour)).alike & w.inside & view_.used;
-      explained_ |= looksLike(view_.colour, w.colour) & w.inside;
-      cv::morphologyEx(alike, alike, cv::MORPH_OPEN, disc(kIsland));
-      cvView(depth).setTo(kUnknownDepth, alike == 0);
-      const std::vector<bool> chance = speckles(depth, kSpeckleStep * step, int(kPiece * width_ * height_));
-      for (std::size_t p = 0; p < chance.size(); ++p)
-        if (chance[p]) depth.values[p] = kUnknownDepth;
-      known_ |= cvView(depth) != kUnknownDepth;
-      maps.push_back(std::move(depth));
-    }
-    return medianDepth(maps);
+  // The share of a region that looks like another photograph at some depth. It stands still, and its depth is wrong.
+  double shareWithDepth(const cv::Mat& region, cv::Rect box) const {
+    cv::Mat alike(box.size(), CV_8U, cv::Scalar(0));
+    for (const Half& other : others_)
+      for (int level = 0; level < kDepthLevels; ++level) {
+        const float depth = nearest_ * float(level) / kDepthLevels;
+        const Warped w = warped(other, box, [&](int, int) { return depth; });
+        cv::Mat same = looksLike(view_.colour(box), w.colour) & w.inside;
+        cv::morphologyEx(same, same, cv::MORPH_OPEN, disc(kLeastPatch));
+        alike |= same;
+      }
+    return double(cv::countNonZero(alike & region)) / cv::countNonZero(region);
   }
 
   // From those that see the pixel, grey levels; 0 where nobody does.
@@ -290,8 +284,7 @@ class Judge {
       if (area < kSmall * width_ * height_ || area > kMost * width_ * height_) continue;
       const cv::Mat region = label == r;
       const double core = cv::countNonZero(region(box) & (differs(box) >= kSurely));
-      const double known = cv::countNonZero(region(box) & explained_(box));
-      if (core < kCore * area || known > kExplained * area) continue;
+      if (core < kCore * area || shareWithDepth(region(box), box) > kStandsStill) continue;
       blame(region, box, perhaps, odd);
       all += area;
     }
@@ -424,20 +417,19 @@ class Judge {
 
   Half view_;
   Camera frame_;
-  std::span<const glm::dvec3> points_;
   std::vector<Half> others_;
-  int width_ = 0, height_ = 0;
+  int width_, height_;
+  float nearest_;               // inverse depth
   ImageF matched_, depth_;      // inverse depth; completed
   std::vector<Warped> warped_;  // others, through the completed depth
-  cv::Mat explained_;           // 255: looks like another one at some depth
   cv::Mat known_;               // 255: its depth was not completed
   cv::Mat forgotten_;           // 255: nor may it be known
 };
 
 }  // namespace
 
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points) {
-  return Judge(view, others, points).run();
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth) {
+  return Judge(view, others, depth).run();
 }
 
 }  // namespace ibr

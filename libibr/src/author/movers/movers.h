@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What moved while a place was photographed: people, cars. A photograph that shows them is the odd one.
 //
-//   1. depth in the photograph's frame: swept with each other photograph, kept where the two look alike, completed from
-//      around elsewhere (complete_depth.h): the depth of what is behind, not of who stands before it
+//   1. the photograph's depth, as its sweep found it (photograph_sweep.h), where another photograph looks alike at it;
+//      completed from around elsewhere (complete_depth.h): the depth of the background, not of the person before it
 //   2. the others are brought to the photograph through it. Where its colours lie outside the range of another one's
 //      around the pixel, or that one's outside the range of its own, after a gain a channel, the two differ: a pixel or
 //      two off makes no difference
-//   3. regions that differ from all others that see them, amid what agrees; none that is thin, small, or for the most
-//      part looks like another photograph at some other depth: that stands still
+//   3. regions that differ from all others that see them, amid what agrees. A thin or a small one is left out, and one
+//   of
+//      which a share looks like another photograph at any depth: it stands still, and its depth was wrong
 //   4. whose is it? The wall that somebody hides is to be found beside him, he is not: what is less familiar
 //      (familiar.h) moved. One region may be the photograph's own in one part and another one's in the next
 //
@@ -15,7 +16,6 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
@@ -47,8 +47,8 @@ struct OddRegions {
 
 inline constexpr int kDepthStep = 4;
 
-/// `others`: of the same place, pinholes like `view`, one at least. `points` give the sweep its range. Throws
-/// Error{invalidInput} where none of them lies before the view.
-OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, std::span<const glm::dvec3> points);
+/// `others`: of the same place, pinholes like `view`, one at least. `depth`: inverse, along the view's axis, of a
+/// picture of any size; kUnknownDepth where it was not found.
+OddRegions oddRegions(const MatchView& view, std::span<const MatchView> others, const ImageF& depth);
 
 }  // namespace ibr

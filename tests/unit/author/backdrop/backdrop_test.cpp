@@ -295,20 +295,6 @@ TEST_CASE("triangles that are stretched over completed depth are left out") {
   }
 }
 
-TEST_CASE("no order of maps changes their median, the farther of two") {
-  std::vector<ImageF> maps{patchy(20, 15, 0.5), ImageF(20, 15, 1, 0.3f), patchy(20, 15, 0.9)};
-  const ImageF median = medianDepth(maps);
-  std::swap(maps[0], maps[2]);
-  CHECK(medianDepth(maps) == median);
-  std::swap(maps[0], maps[1]);
-  CHECK(medianDepth(maps) == median);
-  const std::vector<ImageF> two{{2, 1, 1, 0.5f}, {2, 1, 1, 0.25f}};
-  CHECK(medianDepth(two).values == std::vector<float>{0.25f, 0.25f});
-  std::vector<ImageF> some{{2, 1, 1, kUnknownDepth}, {2, 1, 1, 0.25f}};
-  some[1].values[1] = kUnknownDepth;
-  CHECK(medianDepth(some).values == std::vector<float>{0.25f, kUnknownDepth});
-}
-
 TEST_CASE("points give a depth where they are seen, and none behind the camera") {
   const Camera camera = lookingAlong({0, 0, 0}, {0, 1, 0}, 40, 30);
   const std::vector<glm::dvec3> points{{0.01, 4, 0.01}, {0.02, 8, 0.02}, {0, -3, 0}, {100, 1, 0}, {0, 0, 0}};

@@ -2,8 +2,11 @@
 // Masks of photographs, as they are given and as what moved leaves them.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "author/build/find_movers.h"
+#include "author/depth/photograph_sweep.h"
+#include "author/geometry/mean_frame.h"
 #include "author/geometry/posed_model.h"
 #include "author/match/match.h"
 #include "author/match/matcher_choice.h"
@@ -11,6 +14,7 @@
 #include "author/movers/movers.h"
 #include "author/movers/settle_movers.h"
 #include "author/photographs/masks.h"
+#include "author/pixels/resize.h"
 #include "base/file.h"
 #include "image/ktx2.h"
 #include "io/image_file.h"
@@ -55,21 +59,43 @@ struct Place {
 
 constexpr int kLeft = 200, kTop = 90, kRight = 250, kBottom = 200;  // of somebody who stood there
 
-// Somebody in the first photograph, in clothes with a pattern of their own.
-void plant(Image8& picture) {
+// A person in clothes with a pattern of their own, `shift` px from where the first photograph has them.
+void plant(Image8& picture, glm::ivec2 shift = {0, 0}) {
   const TexturedPlane clothes{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 10, 10, 77, 0.1};
   for (int y = kTop; y < kBottom; ++y)
     for (int x = kLeft; x < kRight; ++x) {
       const glm::dvec3 colour = textureColour(clothes, glm::dvec2(x, y) / 80.0);
       for (std::size_t c = 0; c < 3; ++c)
-        picture.pixel(x, y)[c] = std::uint8_t(c == 0 ? 40 + colour.x / 2 : colour[int(c)] / 3);
+        picture.pixel(x + shift.x, y + shift.y)[c] = std::uint8_t(c == 0 ? 40 + colour.x / 2 : colour[int(c)] / 3);
     }
+}
+
+std::vector<ImageF> sweptDepths(const Place& place) {
+  std::vector<SweepView> views;
+  for (const MatchView& view : place.views) {
+    SweepView& half = views.emplace_back();
+    half.camera = {resized(view.camera.intrinsics, 160, 120), view.camera.pose};
+    const Image8 grey = greyOf(shrunk(view.picture, 160, 120));
+    half.grey = ImageF(160, 120, 1);
+    std::ranges::copy(grey.values, half.grey.values.begin());
+  }
+  std::vector<ImageF> result;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    std::vector<SweepView> others;
+    for (std::size_t j = 0; j < views.size(); ++j)
+      if (j != i) others.push_back(views[j]);
+    std::vector<double> tracks;
+    for (const glm::dvec3& point : place.points) tracks.push_back(inverseDepth(views[i].camera, point));
+    result.push_back(sweptDepth(views[i], others, sweepRange(tracks)).inverseDepth);
+  }
+  return result;
 }
 
 std::vector<BitMask> moversIn(const Place& place) {
   std::vector<JudgedView> judged;
+  const std::vector<ImageF> depths = sweptDepths(place);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    OddRegions odd = oddRegions(place.views[i], place.othersOf(i), place.points);
+    OddRegions odd = oddRegions(place.views[i], place.othersOf(i), depths[i]);
     const Camera& camera = place.cameras[i];
     judged.push_back({{resized(camera.intrinsics, odd.width, odd.height), camera.pose},
                       {(i == 0) ? 1u : 0u, (i == 2) ? 1u : 2u},
@@ -265,4 +291,21 @@ TEST_CASE("who stands in one photograph alone is found, who is not there is not"
   // The others are not blamed for him.
   CHECK(masks[1].empty());
   CHECK(masks[2].empty());
+}
+
+TEST_CASE("a person who stands still is no moving object, though the depth is that of the wall behind") {
+  constexpr double kPerson = 3.2, kWall = 5;  // m from the cameras
+  Place place;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 at = place.cameras[i].pose.position;
+    const double px = place.cameras[i].intrinsics.fx / kPerson;
+    plant(place.views[i].picture, {int(std::lround(-px * at.x)), int(std::lround(px * at.z))});
+  }
+  const auto regionsUpTo = [&](double inverseDepth) {
+    ImageF depth(160, 120, 1, float(1 / kWall));
+    depth.values[0] = float(inverseDepth);
+    return oddRegions(place.views[0], place.othersOf(0), depth).regions.size();
+  };
+  CHECK(regionsUpTo(1.2 / kPerson) == 0);
+  CHECK(regionsUpTo(1 / kWall) > 0);  // no depth as near as the person is tried
 }
